@@ -1,4 +1,4 @@
-"""What an input says may have changed: what it leaves out did not change, and it says no more than it must."""
+"""Results of `pins` and `wake`, which state what may have changed, are correct and as narrow as possible."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .i2c_rig import OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 from .spi_rig import HALF, SLAVE, SpiRig
 
-LOOKS = {NO_CHANGE: "nothing", WAKE_CHANGED: "later", PINS_CHANGED: "outputs", ANY_CHANGED: "all"}
+RESULTS = {NO_CHANGE: "nothing", WAKE_CHANGED: "later", PINS_CHANGED: "outputs", ANY_CHANGED: "all"}
 
 
 def counted(chip: Any) -> Counter[str]:
-    """What each call of `pins` and `wake` from now on says, counted; AssertionError where it says too little."""
+    """Return a counter of the results of all later calls of `pins` and `wake`; each call checks its result."""
     said: Counter[str] = Counter()
 
     def registers(now: int) -> list[int]:
@@ -31,17 +31,17 @@ def counted(chip: Any) -> Counter[str]:
             due = chip.next_wake <= now and name == "pins"
             before = [] if due else registers(now - 1)
             shown = chip.out, chip.next_wake
-            looks: int = call(now, *levels)
-            said[f"{name}: {LOOKS[looks]}"] += 1
+            result: int = call(now, *levels)
+            said[f"{name}: {RESULTS[result]}"] += 1
             if due:
-                assert looks == ANY_CHANGED, "what was due may have changed anything"
-            elif looks != ANY_CHANGED:
+                assert result == ANY_CHANGED, "with a wake-up due, the result must be ANY_CHANGED"
+            elif result != ANY_CHANGED:
                 assert registers(now) == before
-            if looks == NO_CHANGE:
+            if result == NO_CHANGE:
                 assert (chip.out, chip.next_wake) == shown
-            if looks == WAKE_CHANGED:
+            if result == WAKE_CHANGED:
                 assert chip.out == shown[0]
-            return looks
+            return result
 
         setattr(chip, name, checking)
 
@@ -50,53 +50,53 @@ def counted(chip: Any) -> Counter[str]:
     return said
 
 
-def of(pins: tuple[int, int, int, int], wakes: tuple[int, int]) -> dict[str, int]:
-    """pins: how many changed nothing, when it wakes, outputs, anything. wakes: how many changed outputs, anything."""
+def expected(pins: tuple[int, int, int, int], wakes: tuple[int, int]) -> dict[str, int]:
+    """Return expected counts. pins: NO_, WAKE_, PINS_, ANY_CHANGED; wakes: PINS_, ANY_CHANGED."""
     names = ["pins: nothing", "pins: later", "pins: outputs", "pins: all", "wake: outputs", "wake: all"]
     return {name: count for name, count in zip(names, (*pins, *wakes), strict=True) if count}
 
 
-def test_sci_looks_at_a_frame_when_it_is_complete():
-    """Eight edges: the start bit's sets the time, RXRDY and RXINT come with it."""
+def test_sci_flags_change_when_a_frame_is_complete():
+    """Of the eight edges, only that of the start bit schedules a wake-up; RXRDY and RXINT change at wake-ups."""
     rig = SciRig(RXBKINTENA=1)
     said = counted(rig.chip)
     rig.send(frame(0x4B) + "1")
-    assert said == of((7, 0, 1, 0), (0, 2))
-    assert rig.chip.pins(rig.now, 1) == NO_CHANGE  # the level it has
+    assert said == expected((7, 0, 1, 0), (0, 2))
+    assert rig.chip.pins(rig.now, 1) == NO_CHANGE  # RXD is unchanged
 
 
-def test_sci_in_loop_back_has_nothing_to_look_at_on_the_pin():
-    """The wake-up is that of the tenth idle bit, inside."""
+def test_sci_in_loop_back_is_not_changed_by_the_pin():
+    """The only wake-up is at the tenth idle bit of the internal line."""
     rig = SciRig(LOOPBKENA=1)
     said = counted(rig.chip)
     rig.send(frame(0x4B) + "1")
-    assert said == of((8, 0, 0, 0), (0, 1))
+    assert said == expected((8, 0, 0, 0), (0, 1))
 
 
-def test_spi_slave_looks_at_spiclk_and_spiste():
-    """SPISIMO changes seven times and is set once to what it has; SPISTE falls; sixteen edges of SPICLK."""
+def test_spi_slave_is_changed_by_spiclk_and_spiste_only():
+    """SPISIMO changes seven times and is set once to the same level; SPISTE falls; SPICLK has sixteen edges."""
     rig = SpiRig({}, SLAVE, CLK_PHASE=1)
     rig.pin(rig.now, CLK=0)
     said = counted(rig.chip)
     rig.select()
     rig.exchange(0xAA)
-    assert said == of((8, 0, 0, 17), (0, 0))
+    assert said == expected((8, 0, 0, 17), (0, 0))
 
 
-def test_spi_master_has_nothing_to_look_at_on_its_pins():
-    """Its wake-ups are two edges of SPISTE and sixteen of SPICLK."""
+def test_spi_master_is_not_changed_by_its_pins():
+    """The wake-ups are those of two edges of SPISTE and sixteen of SPICLK."""
     rig = SpiRig()
     said = counted(rig.chip)
     rig.write("SPITXBUF", 0)
     for level in (0, 1, 0):
         rig.pin(rig.now + 10, SOMI=level)
     rig.wait(10)
-    assert said == of((3, 0, 0, 0), (0, 18))
+    assert said == expected((3, 0, 0, 0), (0, 18))
     assert rig.get("INT_FLAG") == 1
 
 
-def test_spi_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
-    """SPISOMI rises in the cycle after the last bit was latched."""
+def test_spi_applies_overdue_changes_before_a_change_of_its_pins():
+    """SPISOMI rises one cycle after the last bit is due to be latched."""
     rig = SpiRig(SPICHAR=0)
     rig.pin(rig.now, SOMI=0)
     rig.write("SPITXBUF", 0)
@@ -108,10 +108,10 @@ def test_spi_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
 @pytest.mark.parametrize(
     ("address", "read", "pins", "wakes"), [(OTHER, 0, 48, (38, 2)), (OTHER, 1, 48, (38, 2)), (OWN, 0, 54, (36, 4))]
 )
-def test_i2c_edges_without_a_flag_move_outputs_alone(address: int, read: int, pins: int, wakes: tuple[int, int]):
-    """Flags rise with START and STOP, and with the address (AAS) and the byte (RRDY) that are for us.
+def test_i2c_edges_without_a_flag_change_outputs_only(address: int, read: int, pins: int, wakes: tuple[int, int]):
+    """Flags change at START and STOP, and with a matching address (AAS) and a received byte (RRDY).
 
-    Changes of SDA while SCL is low wake nobody.
+    Changes of SDA while SCL is low cause no wake-up.
     """
     rig = Rig(noise_filter_cycles=1).begin()
     found = counted(rig.chip)
@@ -119,12 +119,12 @@ def test_i2c_edges_without_a_flag_move_outputs_alone(address: int, read: int, pi
     rig.send(0xFF if address == OTHER else 0x35)
     rig.stop()
     rig.wait(100)
-    edges = 2 * 18 + 2  # SCL up and down with each bit, once more for START and STOP
-    assert found == of((0, pins, 0, 0), wakes) and pins > sum(wakes) >= edges
+    edges = 2 * 18 + 2  # two of SCL for each bit, and one each for START and STOP
+    assert found == expected((0, pins, 0, 0), wakes) and pins > sum(wakes) >= edges
 
 
-def test_i2c_byte_read_moves_outputs_alone():
-    """But for BB, SDIR with AAS, XRDY, NACK and SCD."""
+def test_i2c_read_of_a_byte_changes_outputs_only_except_at_flags():
+    """The five exceptions are BB, SDIR with AAS, XRDY, NACK and SCD."""
     rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
     rig.ask()
@@ -133,22 +133,22 @@ def test_i2c_byte_read_moves_outputs_alone():
     rig.take(ack=False)
     rig.stop()
     rig.wait(100)
-    assert said == of((0, 52, 0, 0), (35, 5))
+    assert said == expected((0, 52, 0, 0), (35, 5))
 
 
-def test_i2c_master_is_looked_at_where_a_flag_moves():
-    """BB, with the START, XRDY, and NACK with ARDY of an address without an answer; STT falls with the START's end."""
+def test_i2c_master_reports_any_change_only_at_flags():
+    """Registers change four times: BB, XRDY, STT at the end of the START, and NACK with ARDY."""
     rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
     rig.write_other()
     rig.wait(30_000)
-    assert said == of((0, 27, 0, 0), (36, 4))
+    assert said == expected((0, 27, 0, 0), (36, 4))
     assert rig.chip.pins(rig.now, rig.line) == NO_CHANGE
 
 
 @pytest.mark.parametrize("late", [0, 1, 40])
-def test_i2c_edge_told_after_something_was_due_brings_that_first(late: int):
-    """The filter holds a START back for 15 cycles; SCL's fall comes when it is due, or later, and nobody woke it."""
+def test_i2c_applies_overdue_changes_before_a_change_of_its_pins(late: int):
+    """The filter delays a START by 15 cycles; SCL falls when this is due or later, without a wake-up in between."""
     rig = Rig(noise_filter_cycles=1).begin()
     rig.wait(100)
     rig.chip.pins(rig.now, 0b01)
@@ -159,8 +159,8 @@ def test_i2c_edge_told_after_something_was_due_brings_that_first(late: int):
 
 
 @pytest.mark.parametrize("look", ["peek", "read"])
-def test_i2c_register_shows_what_is_due_in_that_cycle(look: str):
-    """The START that the filter held back; nobody woke the module for it."""
+def test_i2c_register_includes_changes_that_are_due(look: str):
+    """The filter delays a START; the module is not woken when this is due."""
     rig = Rig(noise_filter_cycles=1).begin()
     rig.wait(100)
     rig.chip.pins(rig.now, 0b01)
@@ -170,7 +170,7 @@ def test_i2c_register_shows_what_is_due_in_that_cycle(look: str):
 
 
 @pytest.mark.parametrize("late", [1, 40])
-def test_sci_edge_told_after_something_was_due_brings_that_first(late: int):
+def test_sci_applies_overdue_changes_before_a_change_of_its_pin(late: int):
     rig = SciRig()
     begin = rig.send("0 11010010")
     rig.drive(rig.now, "RXD", 1)
@@ -180,8 +180,8 @@ def test_sci_edge_told_after_something_was_due_brings_that_first(late: int):
     assert rig.peek("SCIRXST") >> 6 & 1, "RXRDY"
 
 
-def test_i2c_is_looked_at_as_bytes_come_into_its_fifo():
-    """BB, AAS, two bytes, of which the second reaches RXFFIL, and SCD: the FIFO's level is all that the first moves."""
+def test_i2c_reports_each_byte_that_its_fifo_receives():
+    """Flags change five times: BB, AAS, two received bytes and SCD. The first byte changes only the count."""
     rig = Rig(noise_filter_cycles=1).begin(fifos=(0x4000, 0x2002))
     said = counted(rig.chip)
     rig.start()
@@ -194,8 +194,8 @@ def test_i2c_is_looked_at_as_bytes_come_into_its_fifo():
     assert (level, said["wake: all"]) == (1, 5)
 
 
-def test_i2c_is_looked_at_also_where_an_edge_brings_back_what_it_showed_before_an_access():
-    """Two equal bytes: RRDY rises with the first, the CPU's read clears it, and the second shows the same again."""
+def test_i2c_reports_a_value_that_returns_after_an_access():
+    """RRDY rises with the first of two equal bytes, is cleared by a read, and rises again with the second byte."""
     rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
     rig.start()

@@ -1,4 +1,4 @@
-"""Every interrupt source, both ways: it asks where its flag is 1 and its enable is 1, and nowhere else."""
+"""Every interrupt source requests if its flag and its enable are 1, and otherwise does not."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SOURCES = ["AL", "NACK", "ARDY", "RRDY", "XRDY", "SCD", "AAS"]  # bits 0 to 6 of
 
 
 class Watching(Rig):
-    """Remembers which sources had their flag at 1."""
+    """Rig that records the sources whose flag was 1 at any time."""
 
     seen = 0
 
@@ -31,7 +31,7 @@ class Watching(Rig):
         self.seen |= status & 0x3F | (0x40 if status & AAS else 0)
 
 
-def nothing(rig: Rig) -> None:
+def no_traffic(rig: Rig) -> None:
     rig.wait(4 * BIT)
 
 
@@ -42,13 +42,13 @@ def traffic_for_others(rig: Rig) -> None:
     rig.stop()
 
 
-def written_to(rig: Rig) -> None:
+def written_by_master(rig: Rig) -> None:
     rig.receive(0x12)
     rig.read("I2CDRR")
     rig.stop()
 
 
-def read_and_refused(rig: Rig) -> None:
+def read_by_master(rig: Rig) -> None:
     rig.ask()
     rig.write("I2CDXR", 0x5A)
     rig.acked()
@@ -61,46 +61,46 @@ def as_master(rig: Rig) -> None:
     rig.wait(30 * BIT)
 
 
-def as_late_master(rig: Rig) -> None:
+def as_master_on_a_busy_bus(rig: Rig) -> None:
     rig.address(OTHER)
     as_master(rig)
 
 
-STORIES = [nothing, traffic_for_others, written_to, read_and_refused, as_master, as_late_master]
+SCENARIOS = [no_traffic, traffic_for_others, written_by_master, read_by_master, as_master, as_master_on_a_busy_bus]
 
 
 @pytest.mark.rule("I2C-272", "I2C-273")
-@pytest.mark.parametrize("story", STORIES)
+@pytest.mark.parametrize("scenario", SCENARIOS)
 @pytest.mark.parametrize("source", range(7), ids=SOURCES)
-def test_a_source_asks_where_its_flag_is_1_and_nowhere_else(story: Callable[[Rig], None], source: int):
+def test_a_source_requests_if_its_flag_was_1(scenario: Callable[[Rig], None], source: int):
     rig = Watching()
     rig.begin()
     rig.write("I2CIER", 1 << source)
     rig.wait(20)
-    story(rig)
+    scenario(rig)
     assert rig.asked(20) == (INT1 if rig.seen >> source & 1 else 0)
     assert rig.peek("I2CISRC") & 7 == (source + 1 if rig.seen >> source & 1 else 0)
 
 
-def test_the_stories_have_every_flag_at_1_and_at_0():
+def test_each_flag_but_xrdy_is_1_in_some_scenarios_only():
     shown = []
-    for story in STORIES:
+    for scenario in SCENARIOS:
         rig = Watching()
         rig.begin()
-        story(rig)
+        scenario(rig)
         shown.append(rig.seen)
     ever, always = 0, 0x7F
     for flags in shown:
         ever, always = ever | flags, always & flags
-    assert (ever, always) == (0x7F, 0x10), "XRDY alone is 1 from the reset on"
+    assert (ever, always) == (0x7F, 0x10), "only XRDY is 1 in all scenarios"
 
 
 @pytest.mark.rule("I2C-273")
-@pytest.mark.parametrize("story", STORIES)
-def test_without_an_enable_no_flag_asks(story: Callable[[Rig], None]):
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_without_an_enable_no_flag_requests(scenario: Callable[[Rig], None]):
     rig = Watching()
     rig.begin()
-    story(rig)
+    scenario(rig)
     rig.wait(20)
     assert rig.seen and rig.asked() == 0 and rig.peek("I2CISRC") == 0
 
@@ -111,14 +111,14 @@ def test_without_an_enable_no_flag_asks(story: Callable[[Rig], None]):
 @pytest.mark.rule("I2C-297", "I2C-304")
 @pytest.mark.parametrize(("tx", "rx"), [(0, 0), (FFIENA, 0), (0, FFIENA), (FFIENA, FFIENA)])
 @pytest.mark.parametrize(("tx_level", "rx_level"), [(0, 1), (4, 2), (16, 16)])
-def test_a_fifo_asks_where_its_flag_is_1_and_enabled(tx: int, rx: int, tx_level: int, rx_level: int):
+def test_a_fifo_requests_if_its_flag_is_1_and_enabled(tx: int, rx: int, tx_level: int, rx_level: int):
     rig = Rig().begin(fifos=(FFEN | FFRST | tx | tx_level, FFRST | rx | rx_level))
     rig.address(OWN)
     for byte in (1, 2, 3):
         rig.send(byte)
     rig.stop()
     tx_flag, rx_flag = (rig.peek(name) >> 7 & 1 for name in ("I2CFFTX", "I2CFFRX"))
-    assert (tx_flag, rx_flag) == (1, rx_level <= 3), "an empty transmit FIFO is at or below any level"
+    assert (tx_flag, rx_flag) == (1, rx_level <= 3), "the count 0 of the transmit FIFO is not above any level"
     assert rig.asked() == (INT2 if tx or (rx and rx_flag) else 0)
 
 
@@ -135,7 +135,7 @@ LINES = {
 @pytest.mark.rule("SCI-139", "SCI-141", "SCI-142")
 @pytest.mark.parametrize("text", LINES.values(), ids=LINES)
 @pytest.mark.parametrize("enable", ["", "RXBKINTENA", "RXERRINTENA"])
-def test_a_receive_source_asks_where_its_flag_rose_and_it_is_enabled(text: str, enable: str):
+def test_a_receive_source_requests_if_its_flag_rose_and_is_enabled(text: str, enable: str):
     rig = SciRig(**({enable: 1} if enable else {})).heard(text)
     flags = rig.flags("RXRDY", "BRKDT", "RXERROR")
     rises = {"": 0, "RXBKINTENA": flags["RXRDY"] + flags["BRKDT"], "RXERRINTENA": flags["RXERROR"]}
@@ -145,7 +145,7 @@ def test_a_receive_source_asks_where_its_flag_rose_and_it_is_enabled(text: str, 
 
 @pytest.mark.rule("SCI-160")
 @pytest.mark.parametrize("words", range(4))
-def test_without_txffiena_no_level_of_the_transmit_fifo_asks(words: int):
+def test_without_txffiena_the_transmit_fifo_requests_nothing(words: int):
     for level in (0, 1, 3, 16):
         rig = SciRig(fifo=True, TXFFIL=level, TXFFIENA=0)
         rig.write("SCITXBUF", *range(words))
@@ -158,7 +158,7 @@ def test_without_txffiena_no_level_of_the_transmit_fifo_asks(words: int):
 
 @pytest.mark.rule("SCI-177")
 @pytest.mark.parametrize("level", [1, 2, 16])
-def test_a_receive_fifo_asks_where_its_flag_is_1_and_enabled(level: int):
+def test_a_receive_fifo_requests_if_its_flag_is_1_and_enabled(level: int):
     for enabled in (0, 1):
         rig = SciRig(fifo=True, RXFFIL=level, RXFFIENA=enabled).heard(frame(0x11) + frame(0x22) + "1")
         assert rig.get("RXFFINT") == (level <= 2)
@@ -167,7 +167,7 @@ def test_a_receive_fifo_asks_where_its_flag_is_1_and_enabled(level: int):
 
 @pytest.mark.rule("SCI-195")
 @pytest.mark.parametrize("cdc", [0, 1])
-def test_after_a_first_measurement_cdc_still_decides_about_a_second(cdc: int):
+def test_cdc_enables_a_second_measurement(cdc: int):
     rig = SciRig(brr=1, CDC=1)
     rig.send(frame(ord("A")) + "11", bit=1312)
     rig.set(ABDCLR=1, CDC=0)
@@ -181,7 +181,7 @@ def test_after_a_first_measurement_cdc_still_decides_about_a_second(cdc: int):
 
 @pytest.mark.rule("SYS-089")
 @pytest.mark.parametrize("tie", [0, 1 << 14])
-def test_a_timer_asks_where_it_has_reached_zero_and_tie_is_1(tie: int):
+def test_a_timer_requests_if_it_has_reached_zero_and_tie_is_1(tie: int):
     timer = CpuTimer(options_from(SystemOptions, {}))
     timer.write(0, TCR.offset, 1 << 4)
     timer.write(0, PRD.offset, 999)

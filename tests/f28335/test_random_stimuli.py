@@ -1,10 +1,10 @@
-"""Properties of each chip for any firmware and pins: two chips that are driven alike at random behave in the same way.
+"""Snapshots and resets of each chip under random stimuli.
 
-    chip, driven at random --take--> snapshot --restore--> another chip, driven otherwise before, whole cycles later
-              '----------------- both are driven alike from here on ------------------'
+    chip with random stimuli --take--> snapshot --restore--> another chip that had other stimuli, at a later cycle
+              '------------------ both then have equal stimuli and equal results ------------------'
 
-So every attribute that is not declared has another value in the second chip, and every declared instant another cycle.
-Likewise a chip that was reset is compared with a new one.
+In the second chip, each attribute that is not part of the declared state has another value, and each declared instant
+is moved to another cycle. In the same way, a chip that was reset is compared with a new one.
 """
 
 from __future__ import annotations
@@ -36,7 +36,9 @@ from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.f28335.xint.module import Xint
 
 SYSTEM = SystemOptions()
-LATER = 2520 * 720_720  # cycles: whole periods of every LSPCLK, of OSCCLK's parts and of the watchdog's prescalers
+LATER = (
+    2520 * 720_720
+)  # cycles: a multiple of the periods of all LSPCLK dividers, OSCCLK fractions and watchdog prescalers
 PUBLIC = (
     *("out", "held", "requests", "loaded", "filter_width", "enabled", "driven", "driven_high", "pulses"),
     *("sysclk_hz", "gates", "hspclk_divider", "lspclk_divider", "reset_requested"),
@@ -46,7 +48,7 @@ MOMENTS = 12
 
 
 class Driver:
-    """Draws stimuli for a chip and logs what comes of them. now: counted from where the driver begins."""
+    """Applies random stimuli to a chip and logs the results. now: cycles since the start of the driver."""
 
     PAUSES: tuple[int, ...] = (1, 1, 2, 5, 40, 300, 3000)
 
@@ -86,7 +88,7 @@ class Driver:
         self.chip.pins(self.begin + self.now, levels)
 
     def idle(self) -> None:
-        """The levels of the pins as a new chip takes them to be."""
+        """Set the pins to the initial levels of a new chip."""
         if self.chip.INPUTS:
             self.pins(NEW_PINS.get(type(self.chip), 0))
 
@@ -101,7 +103,7 @@ class Driver:
             self.chip.gate(now, what > 3)
 
     def _wait(self, cycles: int) -> None:
-        """Let cycles pass, with the wake-ups that the chip asks for."""
+        """Advance some cycles and wake the chip whenever it is due."""
         to = self.now + cycles
         while self.chip.next_wake < self.begin + to:
             self.now = max(self.now, self.chip.next_wake - self.begin)
@@ -113,7 +115,7 @@ class Driver:
         self.chip.wake(self.begin + self.now)
 
     def _look(self) -> None:
-        """Log all that the chip's owner can see, and take what it takes."""
+        """Log the state that is visible to the chip's owner, and clear requests and notes like the owner."""
         chip = self.chip
         wake = chip.next_wake if chip.next_wake == NEVER else max(0, chip.next_wake - self.begin - self.now)
         self.log.append((self.now, wake, [note.text for note in chip.notes], self.seen()))
@@ -126,7 +128,7 @@ class Driver:
 
 
 class I2cDriver(Driver):
-    """Is another master on the bus, and every slave that acknowledges. others: the levels without the chip."""
+    """Acts as another master and as slaves that acknowledge. others: the levels of the bus without the chip."""
 
     PAUSES = (1, 20, 60, 200, 700)
     others = 3
@@ -166,7 +168,7 @@ class I2cDriver(Driver):
         self.write(at.MDR, MDR_IRS | (MDR_MST | random.choice((0, MDR_TRX)) | commands if commands else 0))
 
     def _byte(self, byte: int) -> None:
-        """Eight bits and an acknowledge, which the random levels decide with the chip."""
+        """Send eight bits and an acknowledge bit, which is random unless the chip pulls SDA."""
         for bit in range(9):
             sda = byte >> (7 - bit) & 1 if bit < 8 else self.random.getrandbits(1)
             self._lines((2 * sda, 2 * sda | 1, 2 * sda))
@@ -179,7 +181,7 @@ class I2cDriver(Driver):
 
 
 class SciDriver(Driver):
-    """Sends frames of the rate that the chip is set to, or of another one."""
+    """Sends frames at the rate of the chip or at another rate."""
 
     PAUSES = (1, 5, 40, 300, 3000)
 
@@ -213,7 +215,7 @@ class SciDriver(Driver):
 
 
 class SpiDriver(Driver):
-    """Clocks the chip where it is a slave, and answers it where it is a master."""
+    """Sends clocks to a slave, and data to a master."""
 
     PAUSES = (1, 5, 20, 100)
 
@@ -239,7 +241,7 @@ class SpiDriver(Driver):
 
 
 class GpioDriver(Driver):
-    """Its owner tells it of edges, since no mask of a chip holds its 88 pins, and listens to XINT lines."""
+    """Reports edges with the method for 88 pins, which do not fit in the mask of `pins`, and watches the XINT lines."""
 
     def stimulate(self) -> None:
         now, random = self.begin + self.now, self.random
@@ -288,7 +290,7 @@ class TimerDriver(Driver):
 
 
 class SystemDriver(Driver):
-    """Serves the watchdog now and then, with a clock that gets fast."""
+    """Services the watchdog at random, and changes to a fast clock."""
 
     PAUSES = (1, 2, 5, 3000, 60_000)
 
@@ -300,12 +302,12 @@ class SystemDriver(Driver):
 
 
 def clocked(chip: Any, now: int = 0) -> Any:
-    """The chip with its clock on, without which hardly anything happens in it."""
+    """Enable the clock of a chip, and return the chip."""
     chip.gate(now, True)
     return chip
 
 
-RUNNING = (CpuTimer, Gpio, SystemControl)  # those whose clock a reset leaves on
+RUNNING = (CpuTimer, Gpio, SystemControl)  # chips whose clock is on after a reset
 NEW_PINS = {I2c: 3, Sci: 1, Spi: 15}  # levels of the inputs of a new chip
 
 
@@ -328,17 +330,17 @@ CHIPS: dict[str, tuple[Callable[[], Any], type[Driver]]] = {
 
 
 def as_new(driver: Driver, pins_first: bool) -> None:
-    """XRS, and behind it or also before it the pins as a new chip takes them to be; then its clock is on again."""
+    """Reset the chip, give its pins the levels of a new chip after the reset or also before, and enable its clock."""
     chip = driver.chip
     chip.set_lspclk(driver.now, 4, driver.now)
     if pins_first:
         driver.idle()
         driver._wait(8)
     if isinstance(driver, SystemDriver):
-        chip.reset_requested = False  # WDFLAG shows a reset by the watchdog, later
+        chip.reset_requested = False  # otherwise WDFLAG would be set later, as after a reset by the watchdog
     chip.reset(driver.now)
     assert (chip.held, chip.requests) == (0, 0)
-    assert chip.next_wake == NEVER or isinstance(chip, RUNNING), "it has no clock"
+    assert chip.next_wake == NEVER or isinstance(chip, RUNNING), "a chip without a clock requests a wake-up"
     if not pins_first or isinstance(driver, I2cDriver):
         driver.idle()
     driver._look()
@@ -347,7 +349,7 @@ def as_new(driver: Driver, pins_first: bool) -> None:
 
 
 @pytest.mark.parametrize("name", CHIPS)
-def test_after_xrs_a_chip_does_what_a_new_one_does(name: str):
+def test_after_a_reset_a_chip_behaves_like_a_new_one(name: str):
     make, kind = CHIPS[name]
     for seed in range(2 * MOMENTS):
         used = kind(make(), 0, f"{seed} used")
@@ -362,7 +364,7 @@ def test_after_xrs_a_chip_does_what_a_new_one_does(name: str):
 
 
 @pytest.mark.parametrize("name", CHIPS)
-def test_the_declared_state_decides_on_all_that_a_chip_does(name: str):
+def test_a_restored_chip_behaves_like_the_original(name: str):
     make, kind = CHIPS[name]
     logged = 0
     for seed in range(MOMENTS):

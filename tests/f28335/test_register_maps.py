@@ -1,8 +1,9 @@
-"""The register maps, typed a second time: a slip in a place, an access, a reset value or a mark shows up here.
+"""The register maps compared with tables written separately, to find mistakes in bits, access types or reset values.
 
-Each line: offset; name; marks (EALLOW: writes need it; 32: bits wide; runs: counts by itself; acts: a read does
-something; +X: one `all` with X); fields with bits, access unless R/W, reset value unless 0, and "tie" where hardware
-wins against a write of the same cycle. "A1 to A9 x2" are fields of two bits each, from bit 0 on.
+Each line has: offset; name; marks (EALLOW: writes need it; 32: it has 32 bits; runs: it counts without accesses; acts:
+reads have side effects; +X: `all` contains X, too); fields with bits, access type unless R/W, reset value unless 0, and
+"tie" if hardware takes precedence over a write in the same cycle. "A1 to A9 x2" are fields of two bits each, from bit
+0 on.
 """
 
 from __future__ import annotations
@@ -185,7 +186,7 @@ MANUAL = {
 
 
 def printed(register: Register) -> str:
-    """As above: offset, name, marks, fields."""
+    """Return a register in the notation above."""
     marks = {
         "EALLOW": register.protected,
         "32": register.width == 32,
@@ -210,7 +211,7 @@ def printed_field(f: Field, bits: str = "") -> str:
 
 
 def in_a_row(fields: tuple[Field, ...]) -> str:
-    """ "GPIO0 to GPIO31 x1 =FFF" for fields of consecutive numbers, bits and equal kind; empty for others."""
+    """Return "GPIO0 to GPIO31 x1 =FFF" for equal fields with consecutive numbers and bits, and "" for others."""
     rising = fields if fields[0].lsb == 0 else fields[::-1]
     width = rising[0].msb + 1
     stem = rising[0].name.rstrip("0123456789")
@@ -227,7 +228,7 @@ def in_a_row(fields: tuple[Field, ...]) -> str:
 
 
 def lines(text: str) -> list[str]:
-    """The table's lines; a line that begins deeper goes on with the one before."""
+    """Return the lines of the table; a line with more indentation continues the line before it."""
     found: list[str] = []
     for line in text.strip("\n").splitlines():
         if line.startswith(" " * 12):
@@ -242,7 +243,7 @@ def test_register_map(module: str):
     assert [printed(register) for register in MAPS[module]] == lines(MANUAL[module])
 
 
-# SPRUFB0D Table 111: the lines of each group, "-" where none is.
+# SPRUFB0D Table 111: the lines of each group; "-" if there is none.
 GROUPS = """
     SEQ1INT      SEQ2INT      -            XINT1        XINT2        ADCINT       TINT0       WAKEINT
     EPWM1_TZINT  EPWM2_TZINT  EPWM3_TZINT  EPWM4_TZINT  EPWM5_TZINT  EPWM6_TZINT  -           -
@@ -265,7 +266,7 @@ def test_lines_of_the_pie():
     assert places == pie_map.LINES
 
 
-def test_vectors_that_come_through_no_group():
+def test_vectors_without_a_pie_group():
     others = ["INT13", "INT14", "DATALOG", "RTOSINT", "EMUINT", "NMI", "ILLEGAL", *(f"USER{n}" for n in range(1, 13))]
     assert {"RESET": 0} | dict(zip(others, range(13, 32), strict=True)) == pie_map.CPU_VECTORS
 
@@ -274,7 +275,7 @@ def names(holds: Callable[[Register], bool]) -> set[str]:
     return {f"{one.name}.{register.name}" for one in PART.modules for register in one.registers if holds(register)}
 
 
-def test_each_register_says_what_a_read_of_it_yields():
+def test_kinds_of_values_that_registers_yield():
     scis = ("SCI-A", "SCI-B", "SCI-C")
     received = {"I2C-A.I2CDRR", "SPI-A.SPIRXBUF", *(f"{sci}.SCIRXBUF" for sci in scis)}
     copies = {"SPI-A.SPIRXEMU", *(f"{sci}.SCIRXEMU" for sci in scis)}

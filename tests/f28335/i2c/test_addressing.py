@@ -1,4 +1,4 @@
-"""I2C as slave: which address it answers, in 7-bit, 10-bit and free data format. SPRUG03B 2.5, Tables 5, 7 and 10."""
+"""I2C slave: addresses that it acknowledges in 7-bit, 10-bit and free data format. SPRUG03B 2.5, Tables 5, 7 and 10."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..i2c_registers import AAS, AD0, ARDY, BB, FDF, IRS, NACKSNT, RRDY, SDIR, S
 from ..i2c_rig import OTHER, OWN, Rig, addressed
 
 TEN = 0x2C5  # 10-bit address 10 1100 0101
-HEAD = 0xF0 | TEN >> 8 << 1  # 11110 10 0
+FIRST_BYTE = 0xF0 | TEN >> 8 << 1  # 11110 10 0
 
 
 def ten_bit(address: int = TEN, **options) -> Rig:
@@ -32,8 +32,8 @@ def test_a_7_bit_slave_acknowledges_its_own_address_and_no_other(own, sent, read
 
 
 @pytest.mark.rule("I2C-074", "I2C-077")
-def test_the_address_is_the_first_seven_bits_and_comes_most_significant_bit_first():
-    """0x43 = 100 0011 is its own mirror image but for one bit; 110 0001 must not match."""
+def test_the_address_is_seven_bits_with_the_most_significant_bit_first():
+    """0x43 = 100 0011 is not acknowledged in reversed bit order, as 110 0001."""
     rig = Rig().begin(oar=0x43)
     assert not rig.address(0x61)
     rig.stop()
@@ -41,8 +41,8 @@ def test_the_address_is_the_first_seven_bits_and_comes_most_significant_bit_firs
 
 
 @pytest.mark.rule("I2C-082")
-def test_in_7_bit_mode_ones_above_bit_6_of_oar_break_a_duty():
-    """And the comparison is with bits 6 to 0."""
+def test_in_7_bit_mode_ones_above_bit_6_of_oar_are_noted():
+    """The comparison uses bits 6 to 0 in any case."""
     rig = Rig().begin(oar=OWN)
     assert rig.duties() == []
     rig = Rig().begin(oar=0x380 | OWN)
@@ -54,7 +54,7 @@ def test_in_7_bit_mode_ones_above_bit_6_of_oar_break_a_duty():
 @pytest.mark.rule("I2C-082")
 @pytest.mark.parametrize("xa_first", [False, True])
 def test_a_10_bit_address_may_be_written_before_xa(xa_first):
-    """The duty holds from the rise of IRS on: before it, any order will do."""
+    """I2COAR is checked when IRS rises; before that, the order of the writes does not matter."""
     rig = Rig()
     if xa_first:
         rig.write("I2CMDR", XA)
@@ -74,7 +74,7 @@ def test_an_own_address_written_with_irs_1_is_checked_at_once():
 
 
 @pytest.mark.rule("I2C-093")
-def test_after_a_foreign_address_data_are_not_acknowledged_either():
+def test_after_a_foreign_address_data_are_not_acknowledged():
     rig = Rig().begin()
     assert not rig.address(OTHER)
     assert not rig.send(0x12)
@@ -83,7 +83,7 @@ def test_after_a_foreign_address_data_are_not_acknowledged_either():
 
 
 @pytest.mark.rule("I2C-075", "I2C-085", "I2C-093")
-def test_the_acknowledge_is_pulled_for_the_ninth_pulse_alone():
+def test_sda_is_pulled_only_for_the_ninth_pulse():
     rig = Rig().begin()
     rig.start()
     for n in reversed(range(1, 8)):
@@ -103,7 +103,7 @@ def test_the_acknowledge_is_pulled_for_the_ninth_pulse_alone():
 
 
 @pytest.mark.rule("I2C-042", "I2C-099")
-def test_a_slave_lets_the_bus_alone_and_takes_its_clock():
+def test_an_idle_slave_pulls_no_line_and_scl_is_not_held_for_a_slow_master():
     rig = Rig().begin()
     rig.wait(100_000)
     assert rig.chip.out == 3
@@ -115,7 +115,7 @@ def test_a_slave_lets_the_bus_alone_and_takes_its_clock():
 
 @pytest.mark.rule("I2C-035", "I2C-036")
 @pytest.mark.parametrize("bits", [STT, STP, STT | STP])
-def test_start_and_stop_bits_do_nothing_in_a_slave(bits):
+def test_start_and_stop_bits_have_no_effect_in_a_slave(bits):
     rig = Rig().begin()
     rig.write("I2CMDR", IRS | bits)
     rig.wait(100_000)
@@ -131,7 +131,7 @@ def test_start_and_stop_bits_do_nothing_in_a_slave(bits):
 
 @pytest.mark.rule("I2C-053")
 @pytest.mark.parametrize("trx", [0, TRX])
-def test_the_direction_of_a_slave_is_the_masters_choice(trx):
+def test_the_direction_of_a_slave_is_that_of_the_master_for_any_trx(trx):
     rig = addressed(mode=trx)
     assert rig.deliver(0x5A) == 0x5A
     assert rig.restart(OWN << 1 | 1)
@@ -173,7 +173,7 @@ def test_the_general_call_is_answered(mode, oar):
 
 
 @pytest.mark.rule("I2C-226")
-def test_the_own_address_leaves_ad0_alone():
+def test_the_own_address_does_not_set_ad0():
     rig = addressed()
     assert rig.flag("AD0") == 0
 
@@ -185,7 +185,7 @@ def test_the_own_address_leaves_ad0_alone():
 def test_a_10_bit_slave_acknowledges_both_address_bytes():
     rig = ten_bit()
     rig.start()
-    assert rig.send(HEAD)
+    assert rig.send(FIRST_BYTE)
     assert rig.flag("AAS") == 0
     assert rig.send(TEN & 0xFF)
     assert rig.status(AAS | SDIR | RRDY) == AAS
@@ -207,58 +207,58 @@ def test_a_10_bit_slave_compares_all_ten_bits(own, flips):
 
 
 @pytest.mark.rule("I2C-086", "I2C-224")
-def test_10_bit_direction_changes_with_a_repeated_start_and_the_first_byte_alone():
+def test_10_bit_direction_changes_with_a_repeated_start_and_only_the_first_byte():
     rig = ten_bit()
     rig.start()
-    rig.send(HEAD)
+    rig.send(FIRST_BYTE)
     rig.send(TEN & 0xFF)
     rig.restart()
     assert rig.flag("AAS")
-    assert rig.send(HEAD | 1)
+    assert rig.send(FIRST_BYTE | 1)
     assert rig.flag("SDIR")
     assert rig.give(0xC3, ack=False) == 0xC3
 
 
 @pytest.mark.rule("I2C-086")
 def test_10_bit_read_without_the_full_address_before_is_not_answered():
-    """The first byte names 256 slaves; only the one just addressed by both bytes may take it."""
+    """The first byte matches 256 slaves; only the slave just addressed by both bytes may acknowledge it."""
     rig = ten_bit()
     rig.start()
-    assert not rig.send(HEAD | 1)
+    assert not rig.send(FIRST_BYTE | 1)
     rig.stop()
     rig.start()
-    rig.send(HEAD)
+    rig.send(FIRST_BYTE)
     rig.send(TEN & 0xFF ^ 1)
-    assert not rig.restart(HEAD | 1)
+    assert not rig.restart(FIRST_BYTE | 1)
     assert rig.status(AAS | SDIR) == 0
 
 
 @pytest.mark.rule("I2C-086")
-@pytest.mark.parametrize("foreign", [[HEAD ^ 2], [HEAD, TEN & 0xFF ^ 1]])
+@pytest.mark.parametrize("foreign", [[FIRST_BYTE ^ 2], [FIRST_BYTE, TEN & 0xFF ^ 1]])
 def test_10_bit_read_after_another_slave_was_addressed_is_not_answered(foreign):
     rig = ten_bit()
     rig.start()
-    assert rig.send(HEAD)
+    assert rig.send(FIRST_BYTE)
     assert rig.send(TEN & 0xFF)
     rig.restart()
     for byte in foreign:
         rig.send(byte)
-    assert not rig.restart(HEAD | 1)
+    assert not rig.restart(FIRST_BYTE | 1)
     assert rig.flag("SDIR") == 0
 
 
 @pytest.mark.rule("I2C-087")
-def test_a_10_bit_slave_does_not_answer_by_seven_bits():
+def test_a_10_bit_slave_does_not_answer_a_7_bit_address():
     rig = Rig().begin(XA, OWN)
     assert not rig.address(OWN)
 
 
 @pytest.mark.rule("I2C-087")
-def test_a_7_bit_slave_does_not_answer_by_ten_bits():
-    """0x78 is what the 10-bit head 1111 000 looks like to seven bits; 0x2C5's head is 0x7A."""
+def test_a_7_bit_slave_does_not_answer_a_10_bit_address():
+    """As a 7-bit address, the first byte is 0x7A; the second byte contains the own address but is data."""
     rig = Rig().begin(0, TEN & 0x7F)
     rig.start()
-    assert not rig.send(HEAD)
+    assert not rig.send(FIRST_BYTE)
     assert not rig.send(TEN & 0xFF)
     assert rig.flag("AAS") == 0
 
@@ -268,7 +268,7 @@ def test_a_7_bit_slave_does_not_answer_by_ten_bits():
 
 @pytest.mark.rule("I2C-054", "I2C-315", "I2C-316", "I2C-317", "I2C-319", "I2C-218", "I2C-320")
 @pytest.mark.parametrize("oar", [0, OWN, 0x7F])
-def test_free_data_format_the_first_byte_is_data_whatever_it_is(oar):
+def test_free_data_format_the_first_byte_is_data_for_any_value(oar):
     rig = Rig().begin(FDF, oar)
     rig.start()
     assert rig.send(0xB1)
@@ -307,7 +307,7 @@ def test_without_free_data_format_xa_selects_the_format(xa, answered):
 
 
 @pytest.mark.rule("I2C-246", "I2C-175")
-def test_a_high_speed_master_code_is_just_a_foreign_address():
+def test_a_high_speed_master_code_is_treated_as_a_foreign_address():
     rig = Rig().begin()
     assert not rig.address(0x08 >> 1)
     assert rig.status(AAS | ARDY) == 0

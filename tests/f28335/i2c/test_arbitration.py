@@ -1,4 +1,4 @@
-"""I2C master: who wins when two start together, and what the loser does. SPRUG03B section 2.8, Table 10 (AL)."""
+"""I2C master: arbitration between two masters, and the loser's behaviour. SPRUG03B section 2.8, Table 10 (AL)."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ rule = pytest.mark.rule
 
 
 def go(b: Bench, data: list[int], extra: str = "STP") -> None:
-    """The module under test starts; the partners made with at=None start with it."""
+    """Start a transfer of the module under test; partners with at=None start at the same time."""
     b.mode("MST TRX STT " + extra, count=len(data), data=data[0])
 
 
 def lost(b: Bench) -> Bench:
-    """A bench whose module has just lost the address to a foreign master."""
+    """Return a bench whose module has just lost arbitration in the address byte to a foreign master."""
     go(b, [1])
     b.until(lambda: b.flag("AL"))
     return b
@@ -30,7 +30,7 @@ def lost(b: Bench) -> Bench:
 def test_the_module_loses_to_a_lower_address_in_the_bit_that_differs():
     b = Bench(Target(0x48), Foreign("S 48W 77 P", at=None))
     go(b, [1])
-    rise = b.edge(SCL, 1, 3)  # 101.... against 100....: the third bit
+    rise = b.edge(SCL, 1, 3)  # 101.... and 100.... differ in the third bit
     assert b.flags("AL MST STP") == "MST STP" or rise == b.now
     b.until(lambda: b.flag("AL"), SLOT // 2)
     assert b.flags("AL MST STP") == "AL"
@@ -106,7 +106,7 @@ def test_the_loser_is_a_slave_receiver_and_answers_its_address(own: int):
 
 
 @rule("I2C-261")
-def test_the_loser_of_a_data_byte_is_a_slave_receiver_that_nobody_has_addressed():
+def test_the_loser_of_a_data_byte_is_a_slave_that_is_not_addressed():
     b = Bench(Target(0x50), Foreign("S 50W 12 34 P", at=None), own=0x48)
     go(b, [0x13])
     assert b.said_after(50 * SLOT) == "S 50W A 12 A 34 A P"
@@ -115,7 +115,7 @@ def test_the_loser_of_a_data_byte_is_a_slave_receiver_that_nobody_has_addressed(
 
 @rule("I2C-180")
 def test_the_loser_makes_no_clock_pulses_of_its_own_after_the_byte():
-    """A slower foreign master sets the pace alone: its low period is seen, not the module's."""
+    """The low and high periods are those of the slower foreign master, not those of the module."""
     b = lost(Bench(Target(0x48), Foreign("S 48W 77 P", at=None, low=900, high=800)))
     b.edge(SCL, 0, 8)
     fall, rise, fall2 = b.edge(SCL, 0), b.edge(SCL, 1), b.edge(SCL, 0)
@@ -123,7 +123,7 @@ def test_the_loser_makes_no_clock_pulses_of_its_own_after_the_byte():
 
 
 @rule("I2C-258", "I2C-259", "I2C-260")
-def test_a_start_tried_during_a_foreign_transfer_loses_at_once():
+def test_a_start_command_during_a_foreign_transfer_loses_at_once():
     b = Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P"))
     b.until(lambda: b.flag("BB"))
     b.edge(SCL, 0, 2)
@@ -134,7 +134,7 @@ def test_a_start_tried_during_a_foreign_transfer_loses_at_once():
 
 
 @rule("I2C-150", "I2C-176")
-def test_the_loser_may_ask_for_the_bus_again_before_the_winner_has_left_it():
+def test_a_start_command_of_the_loser_waits_for_the_stop_of_the_winner():
     b = lost(
         Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P", at=None), options=with_(stt_while_busy="foreign_waits"))
     )
@@ -144,7 +144,7 @@ def test_the_loser_may_ask_for_the_bus_again_before_the_winner_has_left_it():
 
 @rule("I2C-262", "I2C-263", "I2C-264")
 @pytest.mark.parametrize("how", ["write 1", "write 0", "read I2CISRC", "IRS"])
-def test_how_al_is_cleared(how: str):
+def test_al_is_cleared(how: str):
     b = Bench(Target(0x48), Foreign("S 48W 77 P", at=None))
     b.w("I2CIER", 1)
     lost(b)
@@ -182,7 +182,7 @@ def test_al_is_not_set_when_the_slave_answers():
 
 @rule("I2C-181", "I2C-179")
 @pytest.mark.parametrize("mine, other, wins", [(0x58, 0x48, 0x48), (0x48, 0x58, 0x48)])
-def test_arbitration_goes_on_after_a_repeated_start_that_both_send_at_the_same_place(mine: int, other: int, wins: int):
+def test_arbitration_continues_after_a_simultaneous_repeated_start(mine: int, other: int, wins: int):
     b = Bench(Target(0x50), Target(wins), Foreign(f"S 50W 33 S {other:02x}W 77 P", at=None))
     go(b, [0x33], "")
     b.until(lambda: b.flag("ARDY"))
@@ -194,9 +194,9 @@ def test_arbitration_goes_on_after_a_repeated_start_that_both_send_at_the_same_p
 
 
 @rule("I2C-176", "I2C-258")
-@pytest.mark.parametrize("before, contest", [(1, True), (14, True), (15, False), (16, False), (200, False)])
-def test_a_start_of_another_that_is_not_yet_seen_behind_the_filter_is_joined(before: int, contest: bool):
-    """The module's START comes a module clock after STT; the other one came so many cycles before it."""
+@pytest.mark.parametrize("before, joined", [(1, True), (14, True), (15, False), (16, False), (200, False)])
+def test_a_start_of_another_master_within_the_filter_delay_leads_to_arbitration(before: int, joined: bool):
+    """The START of the module is a module clock after STT; the other START is `before` cycles earlier."""
     b = Bench(Target(0x50), Target(0x58))
     b.w("I2CCNT", 1)
     b.w("I2CDXR", 0x12)
@@ -204,8 +204,8 @@ def test_a_start_of_another_that_is_not_yet_seen_behind_the_filter_is_joined(bef
     b.join(foreign)
     b.run(300 - 15)
     b.mode("MST TRX STT STP")
-    assert b.said_after(40 * SLOT) == ("S 50W A 12 A P" if contest else "S 58W A 77 A P")
-    assert (foreign.lost, bool(b.flag("AL"))) == (contest, not contest)
+    assert b.said_after(40 * SLOT) == ("S 50W A 12 A P" if joined else "S 58W A 77 A P")
+    assert (foreign.lost, bool(b.flag("AL"))) == (joined, not joined)
 
 
 @rule("I2C-172", "I2C-173", "I2C-176", "I2C-179", "I2C-180", "I2C-258")
@@ -216,10 +216,10 @@ def test_a_start_of_another_that_is_not_yet_seen_behind_the_filter_is_joined(bef
     st.tuples(st.sampled_from([0x21, 0x22, 0x50]), st.lists(st.integers(0, 255), min_size=1, max_size=3)),
     st.tuples(st.sampled_from([0x21, 0x22, 0x50]), st.lists(st.integers(0, 255), min_size=1, max_size=3)),
 )
-def test_two_modules_of_any_clocks_that_start_about_together_lose_no_transfer_of_the_winner(
+def test_the_transfer_of_the_winner_is_complete_with_any_clocks_and_start_times(
     later: int, clock: tuple[int, int], first: tuple[int, list[int]], second: tuple[int, list[int]]
 ):
-    """`later`: cycles between the two commands; the second module has its own clock."""
+    """`later`: cycles between the two commands; `clock`: clock divisors of the second module."""
     shorter = min(len(first[1]), len(second[1]))
     assume(first == second or (first[0], first[1][:shorter]) != (second[0], second[1][:shorter]))  # I2C-181
     targets = {a: Target(a) for a in (0x21, 0x22, 0x50)}

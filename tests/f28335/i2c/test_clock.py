@@ -17,7 +17,7 @@ TMOD = 15
 
 
 def lows_and_highs(b: Bench) -> tuple[set[int], set[int]]:
-    """Lengths of the low and high periods of SCL from the first fall on to the last rise."""
+    """Return the lengths of the low and high periods of SCL from the first fall to the last rise."""
     edges = [e for e in b.edges if e.line == SCL]
     low = {y.time - x.time for x, y in itertools.pairwise(edges) if y.level}
     high = {y.time - x.time for x, y in itertools.pairwise(edges) if not y.level}
@@ -93,7 +93,7 @@ def test_ipsc_changed_with_irs_0_takes_effect_with_irs_1():
     assert lows_and_highs(b) == ({13 * 15}, {13 * 10})
 
 
-# ---- duties ----------------------------------------------------------------------------------------------
+# ---- notes about broken rules --------------------------------------------------------------------------------
 
 
 MHZ = 1_000_000
@@ -101,7 +101,7 @@ MHZ = 1_000_000
 
 @rule("I2C-155")
 @pytest.mark.parametrize(
-    ("sysclk", "psc", "told"),
+    ("sysclk", "psc", "noted"),
     [
         (150, 11, "12.5"),
         (150, 12, ""),
@@ -112,20 +112,20 @@ MHZ = 1_000_000
         (100, 9, ""),
         (100, 14, "6.66667"),
         (100, 7, "12.5"),
-        (120, 9, ""),  # 12 MHz to the hertz
+        (120, 9, ""),  # exactly 12 MHz
         (60, 5, ""),
         (30, 2, ""),
         (30, 14, "2"),
     ],
 )
-def test_the_module_clock_must_lie_between_7_and_12_mhz(sysclk: int, psc: int, told: str):
+def test_a_module_clock_outside_of_7_to_12_mhz_is_noted(sysclk: int, psc: int, noted: str):
     b = Bench(psc=psc, enable=False)
     b.m.set_sysclk(b.now, Fraction(sysclk * MHZ))
-    assert not b.duties(), "it is in force when IRS rises, and not before"
+    assert not b.duties(), "noted before IRS rises"
     b.set("IRS")
     texts = [note.text for note in b.duties()]
-    expected = f"gives a module clock of {told} MHz at SYSCLKOUT = {sysclk} MHz; expected 7 to 12 MHz"
-    assert texts == ([f"I2CPSC = {psc} {expected}"] if told else [])
+    expected = f"gives a module clock of {noted} MHz at SYSCLKOUT = {sysclk} MHz; expected 7 to 12 MHz"
+    assert texts == ([f"I2CPSC = {psc} {expected}"] if noted else [])
 
 
 @rule("I2C-155")
@@ -136,11 +136,11 @@ def test_a_change_of_sysclkout_under_an_enabled_module_is_checked_once():
     assert [note.text.split()[8] for note in b.duties()] == ["6.66667", "5"]
     b.m.reset(b.now)
     b.m.set_sysclk(b.now, Fraction(100 * MHZ))
-    assert not b.duties(), "the module is off"
+    assert not b.duties(), "noted while the module is in reset"
 
 
 @rule("I2C-156")
-def test_ipsc_must_be_written_with_irs_0():
+def test_ipsc_written_with_irs_1_is_noted():
     b = Bench()
     assert not b.duties()
     b.w("I2CPSC", 12)
@@ -150,7 +150,7 @@ def test_ipsc_must_be_written_with_irs_0():
 
 @rule("I2C-166", "I2C-167")
 @pytest.mark.parametrize("clkl, clkh, name", [(0, 5, "CLKL"), (10, 0, "CLKH")])
-def test_iccl_and_icch_must_not_be_0(clkl: int, clkh: int, name: str):
+def test_iccl_or_icch_of_0_is_noted(clkl: int, clkh: int, name: str):
     b = Bench(Target(), clkl=clkl, clkh=clkh)
     b.mode("MST TRX STT STP", count=1, data=0)
     b.run(4 * SLOT)
@@ -158,7 +158,7 @@ def test_iccl_and_icch_must_not_be_0(clkl: int, clkh: int, name: str):
 
 
 def rate_notes(sysclk: int, psc: int, clkl: int, clkh: int) -> list[str]:
-    """What is noted of one transfer with this clock."""
+    """Return the notes of one transfer with this clock."""
     b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh, enable=False)
     b.m.set_sysclk(b.now, Fraction(sysclk * MHZ))
     b.set("IRS")
@@ -182,9 +182,9 @@ def rate_notes(sysclk: int, psc: int, clkl: int, clkh: int) -> list[str]:
         (60, 5, 10, 5, ""),
     ],
 )
-def test_rates_between_10_and_400_kbit_are_supported(sysclk: int, psc: int, clkl: int, clkh: int, khz: str):
-    told = rate_notes(sysclk, psc, clkl, clkh)
-    assert told == ([f"SCL would run at {khz} kHz; expected 10 to 400 kHz"] if khz else [])
+def test_rates_outside_of_10_to_400_khz_are_noted(sysclk: int, psc: int, clkl: int, clkh: int, khz: str):
+    notes = rate_notes(sysclk, psc, clkl, clkh)
+    assert notes == ([f"SCL would run at {khz} kHz; expected 10 to 400 kHz"] if khz else [])
 
 
 @rule("I2C-169")
@@ -193,13 +193,15 @@ def test_rates_between_10_and_400_kbit_are_supported(sysclk: int, psc: int, clkl
     ("clkl", "clkh", "times"),
     [(10, 5, ""), (8, 7, ""), (7, 8, "1.2 us low, 1.3 us high"), (14, 1, ""), (15, 0, "2 us low, 0.5 us high")],
 )
-def test_scl_low_and_high_minimum_at_400_khz(sysclk: int, psc: int, clkl: int, clkh: int, times: str):
-    """Low at least 1.3 us, high at least 0.6 us: 13 and 6 module clocks of 100 ns."""
-    told = [text for text in rate_notes(sysclk, psc, clkl, clkh) if "was written 0" not in text]
-    assert told == ([f"SCL has {times}; expected at least 1.3 us and 0.6 us"] if times else [])
+def test_low_and_high_periods_below_the_minimum_at_400_khz_are_noted(
+    sysclk: int, psc: int, clkl: int, clkh: int, times: str
+):
+    """SCL must be low for at least 1.3 us and high for 0.6 us: 13 and 6 module clocks of 100 ns."""
+    notes = [text for text in rate_notes(sysclk, psc, clkl, clkh) if "was written 0" not in text]
+    assert notes == ([f"SCL has {times}; expected at least 1.3 us and 0.6 us"] if times else [])
 
 
-# ---- others on the clock line ------------------------------------------------------------------------------
+# ---- other devices on SCL ----------------------------------------------------------------------------------
 
 
 @rule("I2C-165")
@@ -212,7 +214,7 @@ def test_the_time_a_line_needs_to_rise_lengthens_the_period(rise: int):
 
 @rule("I2C-171")
 @pytest.mark.parametrize("held", [240, 300, 1500, 30_000])
-def test_the_high_period_begins_when_scl_is_really_high(held: int):
+def test_the_high_period_begins_when_the_line_scl_is_high(held: int):
     b = Bench(Target(stretch={(0, 3): held, (1, 9): held}))
     one_byte(b)
     assert lows_and_highs(b) == ({LOW, held}, {HIGH})
@@ -242,7 +244,7 @@ def test_a_fall_of_scl_made_by_another_device_starts_the_low_period(after: int):
     "low, high, seen_low, seen_high",
     [(400, 100, 400, 100), (150, 300, LOW, HIGH), (600, 300, 600, HIGH), (200, 90, LOW, 90)],
 )
-def test_two_generators_longest_low_shortest_high(low: int, high: int, seen_low: int, seen_high: int):
+def test_two_masters_have_the_longest_low_and_the_shortest_high(low: int, high: int, seen_low: int, seen_high: int):
     b = Bench(Target(), Foreign("S 50W 5A P", at=None, low=low, high=high))
     b.mode("MST TRX STT STP", count=1, data=0x5A)
     first = b.edge(SCL, 0)
@@ -259,12 +261,12 @@ def test_two_generators_longest_low_shortest_high(low: int, high: int, seen_low:
 
 @rule("I2C-174")
 @pytest.mark.parametrize("cycles, seen", [(1, False), (7, False), (14, False), (31, True), (200, True)])
-def test_a_spike_on_sda_shorter_than_the_filter_is_no_start(cycles: int, seen: bool):
+def test_a_spike_on_sda_shorter_than_the_filter_is_not_a_start(cycles: int, seen: bool):
     b = Bench()
     b.run(100)
     b.pulse(SDA, cycles)
     b.run(100)
-    assert bool(b.flag("SCD")) is seen  # a START and, with the end of the pulse, a STOP
+    assert bool(b.flag("SCD")) is seen  # the start of the pulse is a START, and its end a STOP
 
 
 @rule("I2C-174")
@@ -274,7 +276,7 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
     b.mode("MST STT STP", count=1)
     rise = b.edge(SCL, 1, 11)
     b.run(50)
-    b.m.pins(b.now, RELEASED & ~(1 << SCL))  # only at the module's own pins: the target has no filter
+    b.m.pins(b.now, RELEASED & ~(1 << SCL))  # only at the pins of the module, because the target has no filter
     b.run(cycles)
     b.m.pins(b.now, RELEASED)
     b.run(30)
@@ -289,13 +291,13 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
 @rule("I2C-171", "I2C-174")
 @pytest.mark.parametrize("width, said", [(1, "A"), (20, "N")])
 def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
-    """A filter of 20 module clocks, longer than a low or high time of SCL, lets no acknowledge through either."""
+    """A filter of 20 module clocks, wider than the low and high periods of SCL, also suppresses the acknowledge."""
     b = Bench(Target(), options=with_(noise_filter_cycles=width))
     b.mode("MST TRX STT", count=1)
     b.edge(SCL, 0, 3)
     b.pull(SCL)
     b.run(LOW + 20)
-    b.m.pins(b.now, RELEASED)  # only at the module's own pins: the target has no filter
+    b.m.pins(b.now, RELEASED)  # only at the pins of the module, because the target has no filter
     b.run(8)
     b.m.pins(b.now, RELEASED & ~(1 << SCL))
     b.run(2 * LOW)
@@ -308,7 +310,7 @@ def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
 
 @rule("I2C-175")
 @pytest.mark.parametrize("first", ["04W", "05R", "07R", "01W"])
-def test_master_codes_and_cbus_are_just_foreign_addresses(first: str):
+def test_master_codes_and_cbus_are_treated_as_foreign_addresses(first: str):
     b = Bench(Foreign(f"S {first} P"), own=0x50)
     b.run(20 * SLOT)
     assert b.foreign.done and b.foreign.heard == "N"

@@ -1,4 +1,4 @@
-"""The two 16-byte FIFOs of the I2C module, seen by a slave. SPRUG03B 3.2, Tables 21 and 22."""
+"""The two 16-byte FIFOs of the I2C module in slave mode. SPRUG03B 3.2, Tables 21 and 22."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SOON = 20
 
 
 def fifos(tx: int = 0, rx: int = 0, *, begin: bool = True, **options) -> Rig:
-    """FIFO mode; tx and rx are further bits of I2CFFTX and I2CFFRX, levels and enables."""
+    """Return a rig in FIFO mode. tx, rx: further bits of I2CFFTX and I2CFFRX, such as levels and enables."""
     rig = Rig(**options)
     rig.set_fifos(FFEN | FFRST | tx, FFRST | rx)
     if begin:
@@ -25,12 +25,12 @@ def count(rig: Rig, which: str) -> int:
     return rig.peek(f"I2CFF{which}") >> 8 & 31
 
 
-def raised(rig: Rig, which: str) -> int:
+def flag_of(rig: Rig, which: str) -> int:
     return rig.peek(f"I2CFF{which}") >> 7 & 1
 
 
 def read_out(rig: Rig, number: int) -> list[int]:
-    """The master reads that many bytes; the last gets a NACK, then STOP."""
+    """Read a number of bytes as the master, with a NACK for the last one and a STOP, and return them."""
     assert rig.address(OWN, 1)
     got = [rig.take(ack=n + 1 < number) for n in range(number)]
     rig.stop()
@@ -38,7 +38,7 @@ def read_out(rig: Rig, number: int) -> list[int]:
 
 
 @pytest.mark.rule("I2C-287", "I2C-292")
-def test_sixteen_bytes_fit_the_transmit_fifo():
+def test_the_transmit_fifo_holds_sixteen_bytes():
     rig = fifos()
     for n in range(16):
         assert count(rig, "TX") == n
@@ -49,7 +49,7 @@ def test_sixteen_bytes_fit_the_transmit_fifo():
 
 
 @pytest.mark.rule("I2C-287", "I2C-299")
-def test_sixteen_bytes_fit_the_receive_fifo():
+def test_the_receive_fifo_holds_sixteen_bytes():
     rig = fifos()
     rig.address()
     for n in range(16):
@@ -65,7 +65,7 @@ def test_sixteen_bytes_fit_the_receive_fifo():
 @pytest.mark.rule("I2C-292", "I2C-299")
 @settings(max_examples=15, deadline=None)
 @given(data=st.lists(st.integers(0, 255), min_size=1, max_size=16))
-def test_what_goes_in_comes_out_in_order(data):
+def test_bytes_are_sent_and_received_in_order(data):
     rig = fifos()
     rig.address()
     for byte in data:
@@ -80,12 +80,12 @@ def test_what_goes_in_comes_out_in_order(data):
 
 
 @pytest.mark.rule("I2C-288", "I2C-289")
-def test_without_fifo_mode_the_registers_are_single():
-    """Reset bits and levels are set, I2CFFEN is not: nothing is counted, no flag comes, the third byte waits."""
+def test_without_fifo_mode_bytes_do_not_go_through_the_fifos():
+    """With I2CFFEN = 0, reset bits and levels have no effect: no count, no flag, and a third byte has to wait."""
     rig = Rig().begin(fifos=(FFRST | FFIENA | 4, FFRST | FFIENA))
     rig.write("I2CDXR", 0x11)
     rig.write("I2CDXR", 0x22)
-    assert (count(rig, "TX"), raised(rig, "TX"), raised(rig, "RX")) == (0, 0, 0)
+    assert (count(rig, "TX"), flag_of(rig, "TX"), flag_of(rig, "RX")) == (0, 0, 0)
     rig.receive(0x33, 0x44)
     assert rig.flag("RSFULL")
     assert count(rig, "RX") == 0
@@ -145,43 +145,43 @@ def test_rxffrst_0_leaves_rrdy_which_a_read_of_i2cdrr_clears_even_with_the_fifo_
 
 @pytest.mark.rule("I2C-293")
 @pytest.mark.parametrize("level", [0, 1, 3])
-def test_txffint_comes_when_the_count_comes_down_to_the_level(level):
+def test_txffint_is_set_when_the_count_falls_to_the_level(level):
     rig = fifos(level)
     rig.write("I2CDXR", *range(4))
     rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | level)
-    assert raised(rig, "TX") == 0
+    assert flag_of(rig, "TX") == 0
     rig.address(OWN, 1)
     for last in (False, False, False, True):
-        assert raised(rig, "TX") == (count(rig, "TX") <= level)
+        assert flag_of(rig, "TX") == (count(rig, "TX") <= level)
         rig.take(ack=not last)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
 
 
 @pytest.mark.rule("I2C-294")
 @pytest.mark.parametrize("level", [0, 1, 8])
-def test_txffint_comes_as_soon_as_the_fifo_is_enabled_and_irs_is_1(level):
+def test_txffint_is_set_when_the_fifo_is_enabled_and_irs_is_1(level):
     rig = fifos(level, begin=False)
-    assert raised(rig, "TX") == 0
+    assert flag_of(rig, "TX") == 0
     rig.begin()
     rig.wait(SOON)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
     rig = Rig().begin()
     rig.write("I2CFFTX", FFEN | level)
-    assert raised(rig, "TX") == 0
+    assert flag_of(rig, "TX") == 0
     rig.write("I2CFFTX", FFEN | FFRST | level)
     rig.wait(SOON)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
 
 
 @pytest.mark.rule("I2C-295", "I2C-296")
 def test_txffintclr_clears_with_1_and_not_with_0_and_reads_0():
     rig = fifos(0)
     rig.write("I2CDXR", 0x11)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
     rig.write("I2CFFTX", FFEN | FFRST)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
     rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR)
-    assert raised(rig, "TX") == 0
+    assert flag_of(rig, "TX") == 0
     assert rig.read("I2CFFTX") & FFINTCLR == 0
 
 
@@ -189,17 +189,17 @@ def test_txffintclr_clears_with_1_and_not_with_0_and_reads_0():
 def test_txffint_stays_when_the_count_rises_above_the_level_again():
     rig = fifos(2)
     rig.write("I2CDXR", *range(5))
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
 
 
 @pytest.mark.rule("I2C-300")
 @pytest.mark.parametrize("level", [1, 3, 16])
-def test_rxffint_comes_when_the_count_comes_up_to_the_level(level):
+def test_rxffint_is_set_when_the_count_rises_to_the_level(level):
     rig = fifos(0, level)
     rig.address()
     for n in range(1, 17):
         rig.send(n)
-        assert raised(rig, "RX") == (n >= level)
+        assert flag_of(rig, "RX") == (n >= level)
 
 
 @pytest.mark.rule("I2C-300", "I2C-303")
@@ -207,25 +207,25 @@ def test_rxffint_stays_when_the_fifo_is_emptied():
     rig = fifos(0, 1)
     rig.receive(0x11)
     rig.read("I2CDRR")
-    assert raised(rig, "RX")
+    assert flag_of(rig, "RX")
 
 
 @pytest.mark.rule("I2C-301")
-def test_rxffint_with_level_0_comes_with_enable_and_irs():
+def test_rxffint_with_level_0_is_set_when_the_fifo_is_enabled_and_irs_is_1():
     rig = fifos(begin=False)
-    assert raised(rig, "RX") == 0
+    assert flag_of(rig, "RX") == 0
     rig.begin()
     rig.wait(SOON)
-    assert raised(rig, "RX")
+    assert flag_of(rig, "RX")
     rig = Rig().begin(fifos=(FFEN, FFRST))
     rig.wait(SOON)
-    assert raised(rig, "RX")
+    assert flag_of(rig, "RX")
 
 
 @pytest.mark.rule("I2C-302")
 @pytest.mark.parametrize("before", [False, True])
 @pytest.mark.parametrize("irs_first", [False, True])
-def test_a_level_written_before_or_with_the_enable_avoids_that(before, irs_first):
+def test_a_level_written_before_or_with_the_enable_avoids_rxffint(before, irs_first):
     rig = Rig()
     if irs_first:
         rig.begin()
@@ -236,7 +236,7 @@ def test_a_level_written_before_or_with_the_enable_avoids_that(before, irs_first
     if not irs_first:
         rig.begin()
     rig.wait(SOON)
-    assert raised(rig, "RX") == 0
+    assert flag_of(rig, "RX") == 0
 
 
 @pytest.mark.rule("I2C-303")
@@ -244,11 +244,11 @@ def test_rxffintclr_clears_with_1_and_not_with_0_and_reads_0():
     rig = fifos(0, 2)
     rig.receive(1, 2)
     rig.read("I2CDRR")
-    assert raised(rig, "RX")
+    assert flag_of(rig, "RX")
     rig.write("I2CFFRX", FFRST | 2)
-    assert raised(rig, "RX")
+    assert flag_of(rig, "RX")
     rig.write("I2CFFRX", FFRST | FFINTCLR | 2)
-    assert raised(rig, "RX") == 0
+    assert flag_of(rig, "RX") == 0
     assert rig.read("I2CFFRX") & FFINTCLR == 0
 
 
@@ -257,40 +257,40 @@ def test_rxffintclr_clears_with_1_and_not_with_0_and_reads_0():
 
 @pytest.mark.rule("I2C-297", "I2C-277")
 @pytest.mark.parametrize("enabled", [0, FFIENA])
-def test_the_transmit_fifo_asks_on_the_second_line_if_enabled(enabled):
+def test_the_transmit_fifo_requests_on_the_second_line_if_enabled(enabled):
     rig = fifos(enabled)
     rig.wait(SOON)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
     assert rig.asked() == (INT2 if enabled else 0)
     assert rig.peek("I2CISRC") == 0
 
 
 @pytest.mark.rule("I2C-304", "I2C-277")
 @pytest.mark.parametrize("enabled", [0, FFIENA])
-def test_the_receive_fifo_asks_on_the_second_line_if_enabled(enabled):
+def test_the_receive_fifo_requests_on_the_second_line_if_enabled(enabled):
     rig = fifos(0, enabled | 1)
     rig.address()
     assert rig.asked() == 0
     rig.send(0x11)
     rig.wait(SOON)
-    assert raised(rig, "RX")
+    assert flag_of(rig, "RX")
     assert rig.asked() == (INT2 if enabled else 0)
 
 
 @pytest.mark.rule("I2C-305")
-def test_both_fifos_share_the_line_and_tell_by_their_flags():
+def test_both_fifos_share_a_line_and_have_separate_flags():
     rig = fifos(FFIENA, FFIENA | 1)
     assert rig.asked(SOON) == INT2
-    assert (raised(rig, "TX"), raised(rig, "RX")) == (1, 0)
+    assert (flag_of(rig, "TX"), flag_of(rig, "RX")) == (1, 0)
     rig.write("I2CDXR", 0x55)
     rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | FFIENA)
     rig.receive(0x11)
     assert rig.asked(SOON) == INT2
-    assert (raised(rig, "TX"), raised(rig, "RX")) == (raised(rig, "TX"), 1)
+    assert (flag_of(rig, "TX"), flag_of(rig, "RX")) == (flag_of(rig, "TX"), 1)
 
 
 @pytest.mark.rule("I2C-297", "I2C-304")
-def test_an_enable_set_after_its_flag_raises_the_request():
+def test_an_enable_set_after_its_flag_requests():
     rig = fifos()
     assert rig.asked(SOON) == 0
     rig.write("I2CFFTX", FFEN | FFRST | FFIENA)
@@ -304,7 +304,7 @@ def test_an_empty_receive_fifo_can_be_read():
 
 
 @pytest.mark.rule("I2C-292")
-def test_an_empty_transmit_fifo_holds_scl_until_it_gets_a_byte():
+def test_an_empty_transmit_fifo_holds_scl_until_a_byte_is_written():
     rig = fifos()
     rig.address(OWN, 1)
     rig.wait(10 * BIT)
@@ -328,18 +328,18 @@ def test_irs_is_not_needed_to_reset_the_fifos():
 
 @pytest.mark.rule("I2C-294", "I2C-335")
 @pytest.mark.parametrize("mode", ["level", "edge"])
-def test_after_xrs_the_transmit_flag_comes_anew(mode):
+def test_txffint_is_set_again_after_a_system_reset(mode):
     rig = fifos(fifo_int_mode=mode)
     rig.wait(SOON)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
     rig.reset()
     rig.begin()
     rig.write("I2CFFTX", FFEN | FFRST)
-    assert raised(rig, "TX")
+    assert flag_of(rig, "TX")
 
 
 @pytest.mark.rule("I2C-292")
-def test_a_17th_byte_for_the_transmit_fifo_is_lost_and_told():
+def test_a_17th_byte_for_the_transmit_fifo_is_lost_and_noted():
     rig = fifos()
     room = []
     for n in range(17):

@@ -1,6 +1,6 @@
-"""I2CSTR as a slave sees it: what sets each flag, what clears it, and what does not. SPRUG03B Table 10.
+"""I2CSTR in slave mode: what sets and clears each flag, and what leaves it. SPRUG03B Table 10.
 
-ARDY, AL and the master's NACK are in the tests of the master.
+ARDY, AL and NACK in master mode are tested in the tests of the master.
 """
 
 from __future__ import annotations
@@ -37,27 +37,27 @@ from ..i2c_rig import OTHER, OWN, Rig, addressed
 TEN = 0x2C5
 
 
-def read_and_refused(**options) -> Rig:
-    """The master read one byte and answered NACK; SCL has just fallen. NACK and SDIR are 1."""
+def read_with_nack(**options) -> Rig:
+    """Return a rig whose master has read one byte and sent a NACK. SCL has just fallen; NACK and SDIR are 1."""
     rig = addressed(read=1, **options)
     rig.give(0x5A, ack=False)
     return rig
 
 
 def overrun() -> Rig:
-    """RRDY, RSFULL and AAS are 1; the chip holds SCL."""
+    """Return a rig with an overrun: RRDY, RSFULL and AAS are 1, and the chip holds SCL."""
     return addressed(sent=[0x11, 0x22])
 
 
-def refused_and_stopped() -> Rig:
-    """As receiver the chip sent a NACK; then STOP: NACKSNT, RRDY and SCD are 1."""
+def received_with_nack() -> Rig:
+    """Return a rig whose chip has sent a NACK as receiver before a STOP: NACKSNT, RRDY and SCD are 1."""
     rig = addressed(mode=NACKMOD, sent=[0x11])
     rig.stop()
     return rig
 
 
 def ten_bit() -> Rig:
-    """A 10-bit slave just addressed; SCL has just fallen."""
+    """Return a rig whose chip was just addressed as a 10-bit slave. SCL has just fallen."""
     rig = Rig().begin(XA, TEN)
     rig.start()
     rig.send(0xF0 | TEN >> 8 << 1)
@@ -71,11 +71,11 @@ def general_call() -> Rig:
     return rig
 
 
-# What every bit has in common
+# All flags
 
 
 @pytest.mark.rule("I2C-193")
-@pytest.mark.parametrize("make", [read_and_refused, overrun, refused_and_stopped, general_call])
+@pytest.mark.parametrize("make", [read_with_nack, overrun, received_with_nack, general_call])
 def test_writing_zeros_changes_nothing(make):
     rig = make()
     before = rig.status()
@@ -84,7 +84,7 @@ def test_writing_zeros_changes_nothing(make):
 
 
 @pytest.mark.rule("I2C-194", "I2C-013")
-@pytest.mark.parametrize("make", [read_and_refused, overrun, refused_and_stopped, general_call, Rig])
+@pytest.mark.parametrize("make", [read_with_nack, overrun, received_with_nack, general_call, Rig])
 def test_writing_ones_clears_the_w1c_flags_and_no_other(make):
     rig = make()
     before = rig.status()
@@ -94,7 +94,7 @@ def test_writing_ones_clears_the_w1c_flags_and_no_other(make):
 
 @pytest.mark.rule("I2C-194")
 def test_the_read_only_flags_were_1_and_0_in_the_test_above():
-    """So that it proved something for each of them, both ways."""
+    """The test above covers read-only flags with both values, so it can fail for each of them."""
     ones = overrun().status() | general_call().status()
     assert ones & (BB | RSFULL | XSMT | AAS | AD0) == BB | RSFULL | XSMT | AAS | AD0
     starved = addressed(read=1)
@@ -107,11 +107,11 @@ def test_the_read_only_flags_were_1_and_0_in_the_test_above():
 @pytest.mark.parametrize(
     "make, flag",
     [
-        (read_and_refused, SDIR),
-        (read_and_refused, NACK),
-        (refused_and_stopped, NACKSNT),
-        (refused_and_stopped, SCD),
-        (refused_and_stopped, RRDY),
+        (read_with_nack, SDIR),
+        (read_with_nack, NACK),
+        (received_with_nack, NACKSNT),
+        (received_with_nack, SCD),
+        (received_with_nack, RRDY),
     ],
 )
 def test_a_one_clears_its_flag_and_leaves_the_others(make, flag):
@@ -138,14 +138,14 @@ def test_a_one_clears_its_flag_and_leaves_the_others(make, flag):
 @pytest.mark.parametrize(
     "make, ones",
     [
-        (read_and_refused, SDIR | NACK),
+        (read_with_nack, SDIR | NACK),
         (overrun, AAS | RRDY | RSFULL),
-        (refused_and_stopped, NACKSNT | SCD | RRDY),
+        (received_with_nack, NACKSNT | SCD | RRDY),
         (general_call, AAS | AD0),
         (ten_bit, AAS),
     ],
 )
-def test_irs_0_and_xrs_bring_the_default_values(make, ones):
+def test_irs_0_and_a_system_reset_set_the_default_values(make, ones):
     rig = make()
     assert rig.status() & ones == ones
     rig.write("I2CMDR", 0)
@@ -170,7 +170,7 @@ def test_reset_sets_xsmt_and_xrdy():
 
 @pytest.mark.rule("I2C-246")
 def test_a_slave_never_sets_ardy():
-    for make in (read_and_refused, overrun, refused_and_stopped, general_call, ten_bit):
+    for make in (read_with_nack, overrun, received_with_nack, general_call, ten_bit):
         rig = make()
         assert rig.flag("ARDY") == 0
         rig.write("I2CMDR", 0)
@@ -188,17 +188,17 @@ def test_a_slave_never_sets_ardy():
 
 
 @pytest.mark.rule("I2C-195")
-def test_sdir_tells_the_direction():
+def test_sdir_is_the_direction():
     assert addressed(read=1).flag("SDIR")
     assert not addressed(read=0).flag("SDIR")
 
 
 rule = pytest.mark.rule
 
-# make, flags looked at, those of them before START or STOP, those behind it; sda: 1 in front of a START, 0 of a STOP
+# make; mask of flags; their values before and after START or STOP; level of SDA before it (1: START, 0: STOP)
 ENDS = [
-    pytest.param(read_and_refused, SDIR, SDIR, 0, 1, marks=rule("I2C-198", "I2C-340"), id="SDIR START"),
-    pytest.param(read_and_refused, SDIR | AAS, SDIR, 0, 0, marks=rule("I2C-199", "I2C-220"), id="SDIR STOP"),
+    pytest.param(read_with_nack, SDIR, SDIR, 0, 1, marks=rule("I2C-198", "I2C-340"), id="SDIR START"),
+    pytest.param(read_with_nack, SDIR | AAS, SDIR, 0, 0, marks=rule("I2C-199", "I2C-220"), id="SDIR STOP"),
     pytest.param(addressed, AAS, AAS, 0, 1, marks=rule("I2C-221"), id="AAS START"),
     pytest.param(addressed, AAS | SCD, AAS, SCD, 0, marks=rule("I2C-220", "I2C-231"), id="AAS STOP"),
     pytest.param(general_call, AD0, AD0, 0, 1, marks=rule("I2C-227"), id="AD0 START"),
@@ -207,7 +207,7 @@ ENDS = [
 
 
 @pytest.mark.parametrize(("make", "flags", "before", "after", "sda"), ENDS)
-def test_what_falls_with_a_repeated_start_or_a_stop_and_not_earlier(make, flags, before, after, sda):
+def test_flags_that_a_repeated_start_or_a_stop_clears(make, flags, before, after, sda):
     rig = make()
     rig.rise(sda)
     rig.wait(rig.bit // 4)
@@ -218,7 +218,7 @@ def test_what_falls_with_a_repeated_start_or_a_stop_and_not_earlier(make, flags,
 
 @pytest.mark.rule("I2C-197")
 def test_sdir_falls_when_loopback_is_enabled():
-    rig = read_and_refused()
+    rig = read_with_nack()
     rig.write("I2CMDR", IRS)
     assert rig.flag("SDIR")
     rig.write("I2CMDR", IRS | MST | DLB)
@@ -229,7 +229,7 @@ def test_sdir_falls_when_loopback_is_enabled():
 
 
 @pytest.mark.rule("I2C-201")
-def test_nacksnt_is_set_by_a_nack_that_was_sent_and_not_by_a_foreign_transfer():
+def test_nacksnt_is_set_by_a_sent_nack_and_not_by_a_foreign_transfer():
     rig = addressed(mode=NACKMOD)
     assert rig.flag("NACKSNT") == 0
     rig.send(0x11)
@@ -262,7 +262,7 @@ def test_nacksnt_survives_start_stop_and_a_read_of_isrc():
 
 @pytest.mark.rule("I2C-205", "I2C-207", "I2C-340")
 @pytest.mark.parametrize("address", [OWN, OTHER])
-def test_bb_lasts_from_start_to_stop_whoever_is_addressed(address):
+def test_bb_is_1_from_start_to_stop_for_any_address(address):
     rig = Rig().begin()
     rig.wait(100)
     rig.put(sda=0)
@@ -283,7 +283,7 @@ def test_bb_lasts_from_start_to_stop_whoever_is_addressed(address):
 
 
 @pytest.mark.rule("I2C-205")
-def test_a_clock_edge_without_a_start_leaves_bb_alone():
+def test_a_clock_edge_without_a_start_leaves_bb():
     rig = Rig().begin()
     rig.put(scl=0)
     rig.put(sda=0)
@@ -296,7 +296,7 @@ def test_a_clock_edge_without_a_start_leaves_bb_alone():
 
 
 @pytest.mark.rule("I2C-210", "I2C-211", "I2C-239", "I2C-240")
-def test_reading_drr_clears_rrdy_and_rsfull_and_brings_the_next_byte():
+def test_reading_drr_clears_rrdy_and_rsfull_and_loads_the_next_byte():
     rig = overrun()
     assert rig.status(RRDY | RSFULL) == RRDY | RSFULL
     rig.read("I2CDRR")
@@ -306,13 +306,13 @@ def test_reading_drr_clears_rrdy_and_rsfull_and_brings_the_next_byte():
 
 
 @pytest.mark.rule("I2C-326", "I2C-327", "I2C-328")
-def test_a_debugger_changes_nothing():
+def test_debugger_reads_change_nothing():
     rig = overrun()
     for _ in range(2):
         assert rig.peek("I2CDRR") == 0x11
         assert rig.status(RRDY | RSFULL) == RRDY | RSFULL
         assert rig.stretching
-    rig = read_and_refused()
+    rig = read_with_nack()
     rig.write("I2CIER", IE_NACK)
     rig.wait(20)
     for _ in range(2):
@@ -321,7 +321,7 @@ def test_a_debugger_changes_nothing():
 
 
 @pytest.mark.rule("I2C-239")
-def test_rrdy_comes_with_a_data_byte_and_with_no_address():
+def test_rrdy_is_set_by_a_data_byte_and_not_by_an_address():
     rig = Rig().begin()
     rig.receive(0x11, address=OTHER)
     rig.stop()
@@ -361,7 +361,7 @@ def test_xrdy_is_not_cleared_by_writing_1():
 
 
 @pytest.mark.rule("I2C-216", "I2C-093")
-def test_aas_is_for_the_own_address():
+def test_aas_is_set_by_the_own_address():
     rig = Rig().begin()
     rig.address(OTHER)
     assert rig.flag("AAS") == 0
@@ -370,7 +370,7 @@ def test_aas_is_for_the_own_address():
 
 
 @pytest.mark.rule("I2C-217", "I2C-226")
-def test_aas_and_ad0_are_for_the_general_call():
+def test_aas_and_ad0_are_set_by_a_general_call():
     rig = Rig().begin()
     rig.start()
     rig.send_bits(0, 7)
@@ -381,7 +381,7 @@ def test_aas_and_ad0_are_for_the_general_call():
 
 
 @pytest.mark.rule("I2C-218")
-def test_aas_in_free_data_format_comes_with_the_first_byte():
+def test_aas_in_free_data_format_is_set_by_the_first_byte():
     rig = Rig().begin(FDF)
     rig.start()
     rig.send_bits(0x33, 7)
@@ -442,7 +442,7 @@ def test_10_bit_aas_falls_with_a_foreign_first_byte():
 
 
 @pytest.mark.rule("I2C-231", "I2C-232")
-def test_scd_comes_with_stop_and_goes_with_code_6():
+def test_scd_is_set_by_a_stop_and_cleared_by_reading_code_6():
     rig = addressed(ier=IE_SCD)
     rig.restart(OWN << 1)
     assert rig.flag("SCD") == 0
@@ -454,14 +454,14 @@ def test_scd_comes_with_stop_and_goes_with_code_6():
 
 @pytest.mark.rule("I2C-232", "I2C-255")
 def test_a_read_of_isrc_with_nothing_pending_clears_no_flag():
-    rig = read_and_refused()
+    rig = read_with_nack()
     rig.stop()
     assert rig.read("I2CISRC", wait=20) == 0
     assert rig.status(SCD | NACK) == SCD | NACK
 
 
 @pytest.mark.rule("I2C-204", "I2C-231")
-def test_a_new_start_leaves_scd_alone():
+def test_a_new_start_leaves_scd():
     rig = addressed()
     rig.stop()
     rig.address()
@@ -472,7 +472,7 @@ def test_a_new_start_leaves_scd_alone():
 
 
 @pytest.mark.rule("I2C-251", "I2C-255")
-def test_nack_comes_from_the_master_and_goes_with_code_2():
+def test_nack_is_set_by_a_nack_of_the_master_and_cleared_by_reading_code_2():
     rig = addressed(read=1, ier=IE_NACK)
     rig.supply(0x5A, 0x5B)
     rig.take(ack=True)
@@ -485,7 +485,7 @@ def test_nack_comes_from_the_master_and_goes_with_code_2():
 
 @pytest.mark.rule("I2C-253")
 def test_nack_falls_when_a_later_byte_is_acknowledged():
-    rig = read_and_refused()
+    rig = read_with_nack()
     rig.restart()
     assert rig.flag("NACK")
     rig.send(OWN << 1 | 1)
@@ -494,6 +494,6 @@ def test_nack_falls_when_a_later_byte_is_acknowledged():
 
 
 @pytest.mark.rule("I2C-251")
-def test_a_receivers_own_nack_is_not_nack():
+def test_a_nack_sent_as_receiver_does_not_set_nack():
     rig = addressed(mode=NACKMOD, sent=[0x11])
     assert rig.status(NACK | NACKSNT) == NACKSNT

@@ -1,6 +1,6 @@
-"""I2CINT1A and I2CISRC: which flag asks, in which order, and what a read does. SPRUG03B section 3, Tables 3, 9 and 11.
+"""I2CINT1A and I2CISRC: requests of flags, their order, and reads of I2CISRC. SPRUG03B section 3, Tables 3, 9, 11.
 
-With the defaults the line pulses when I2CISRC takes a code. A request shows two cycles after its event.
+With the default options, the line pulses when I2CISRC gets a code, two cycles after the event.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from ..i2c_registers import (
 )
 from ..i2c_rig import BIT, OTHER, OWN, Rig, addressed
 
-SOON = 20  # cycles in which a request must have come
+SOON = 20  # cycles within which a request must occur
 
 
 def lose(ie: int = 0) -> Rig:
-    """AL = 1: the chip was told to start while another master held the bus."""
+    """Return a rig with AL = 1, because STT was set during the transfer of another master."""
     rig = Rig().begin(ier=ie)
     rig.address(OTHER)
     rig.write("I2CSAR", OTHER)
@@ -49,7 +49,7 @@ def lose(ie: int = 0) -> Rig:
 
 
 def refuse(ie: int = 0) -> Rig:
-    """NACK = 1: the master refused the byte it read."""
+    """Return a rig with NACK = 1, because the master did not acknowledge the byte that it read."""
     rig = addressed(read=1)
     rig.write("I2CDXR", 0x5A)
     rig.write("I2CIER", ie)
@@ -58,7 +58,7 @@ def refuse(ie: int = 0) -> Rig:
 
 
 def master_done(ie: int = 0) -> Rig:
-    """ARDY = 1: the chip, as master, has sent its one byte and waits for the next command."""
+    """Return a rig with ARDY = 1: the chip has sent its only byte as master and waits for the next command."""
     rig = Rig().begin(ier=ie)
     rig.write_other()
     rig.wait_for(lambda: not rig.level[SCL])
@@ -73,14 +73,14 @@ def master_done(ie: int = 0) -> Rig:
 
 
 def receive(ie: int = 0) -> Rig:
-    """RRDY = 1."""
+    """Return a rig with RRDY = 1."""
     rig = addressed(ier=ie)
     rig.send(0x11)
     return rig
 
 
-def want_data(ie: int = 0) -> Rig:
-    """XRDY = 1, a transfer wants data."""
+def need_data(ie: int = 0) -> Rig:
+    """Return a rig with XRDY = 1 in a transfer that needs data."""
     rig = addressed(read=1)
     rig.supply(0x11, 0x12)
     rig.write("I2CIER", ie)
@@ -89,14 +89,14 @@ def want_data(ie: int = 0) -> Rig:
 
 
 def stopped(ie: int = 0) -> Rig:
-    """SCD = 1."""
+    """Return a rig with SCD = 1."""
     rig = addressed(ier=ie)
     rig.stop()
     return rig
 
 
 def called(ie: int = 0) -> Rig:
-    """AAS = 1."""
+    """Return a rig with AAS = 1."""
     rig = Rig().begin(ier=ie)
     rig.address()
     return rig
@@ -107,7 +107,7 @@ SOURCES = [
     pytest.param(refuse, NACK, IE_NACK, 2, id="NACK"),
     pytest.param(master_done, ARDY, IE_ARDY, 3, id="ARDY"),
     pytest.param(receive, RRDY, IE_RRDY, 4, id="RRDY"),
-    pytest.param(want_data, XRDY, IE_XRDY, 5, id="XRDY"),
+    pytest.param(need_data, XRDY, IE_XRDY, 5, id="XRDY"),
     pytest.param(stopped, SCD, IE_SCD, 6, id="SCD"),
     pytest.param(called, AAS, IE_AAS, 7, id="AAS"),
 ]
@@ -117,12 +117,12 @@ SOURCES = [
     "I2C-265", "I2C-266", "I2C-267", "I2C-268", "I2C-269", "I2C-270", "I2C-271", "I2C-276", "I2C-279", "I2C-282"
 )
 @pytest.mark.parametrize("make, flag, enable, code", SOURCES)
-def test_flag_and_enable_make_a_request_with_its_code(make, flag, enable, code):
+def test_a_flag_and_its_enable_make_a_request_with_its_code(make, flag, enable, code):
     rig = make(enable)
     rig.wait(SOON)
     assert rig.status(flag)
     assert rig.asked() == INT1
-    if code == 5:  # its flag stays set: put it out first, so that the read below shows the code going
+    if code == 5:  # XRDY is cleared by a write only; with XRDY = 0, the read below clears the code
         rig.write("I2CDXR", 0x13)
     assert rig.read("I2CISRC") == code
     rig.wait(SOON)
@@ -133,7 +133,7 @@ def test_flag_and_enable_make_a_request_with_its_code(make, flag, enable, code):
 
 @pytest.mark.rule("I2C-272", "I2C-273", "I2C-278")
 @pytest.mark.parametrize("make, flag, enable, code", SOURCES)
-def test_without_its_enable_the_flag_comes_and_no_request(make, flag, enable, code):
+def test_a_flag_without_its_enable_is_set_and_requests_nothing(make, flag, enable, code):
     rig = make(0)
     rig.wait(SOON)
     assert rig.status(flag)
@@ -143,8 +143,8 @@ def test_without_its_enable_the_flag_comes_and_no_request(make, flag, enable, co
 
 @pytest.mark.rule("I2C-273")
 @pytest.mark.parametrize("make, flag, enable, code", SOURCES)
-def test_one_enable_does_not_open_another(make, flag, enable, code):
-    """All enabled but the own one: whatever else may be reported, this code is not."""
+def test_a_flag_requests_nothing_with_all_other_enables(make, flag, enable, code):
+    """All requests but that of the flag are enabled: its code is not reported, whatever else is."""
     rig = make(0x7F & ~enable)
     codes = set()
     for _ in range(8):
@@ -155,7 +155,7 @@ def test_one_enable_does_not_open_another(make, flag, enable, code):
 
 @pytest.mark.rule("I2C-274")
 @pytest.mark.parametrize("make, flag, enable, code", SOURCES)
-def test_an_enable_set_after_its_flag_raises_the_request(make, flag, enable, code):
+def test_an_enable_set_after_its_flag_requests(make, flag, enable, code):
     rig = make(0)
     rig.wait(SOON)
     rig.asked()
@@ -165,8 +165,8 @@ def test_an_enable_set_after_its_flag_raises_the_request(make, flag, enable, cod
 
 
 @pytest.mark.rule("I2C-275")
-def test_the_other_flags_ask_for_nothing():
-    """BB, RSFULL, XSMT = 0, AD0, SDIR and NACKSNT all come by while every enable is 1; the requests tell of others."""
+def test_the_other_flags_request_nothing():
+    """BB, RSFULL, XSMT = 0, AD0, SDIR and NACKSNT occur while three enables are 1, and there is no request."""
     codes = []
 
     def drain(rig: Rig) -> None:
@@ -194,14 +194,14 @@ def test_the_other_flags_ask_for_nothing():
 
 @pytest.mark.rule("I2C-276", "I2C-277")
 def test_the_seven_requests_never_use_the_fifo_line():
-    for make in (lose, refuse, receive, want_data, stopped, called):
+    for make in (lose, refuse, receive, need_data, stopped, called):
         rig = make(0x7F)
         assert rig.asked(SOON) == INT1
 
 
 @pytest.mark.rule("I2C-279", "I2C-280", "I2C-281", "I2C-282")
-def test_reading_a_code_brings_the_next_one_and_a_new_pulse():
-    """RRDY, SCD and AAS pend at once (AAS through a second address); AAS and RRDY go with their flags."""
+def test_reading_a_code_loads_the_next_one_with_a_new_pulse():
+    """RRDY and SCD are pending: reading code 4 loads code 6 with a new pulse, and reading code 6 leaves none."""
     rig = addressed(sent=[0x11])
     rig.stop()
     rig.wait(SOON)
@@ -217,7 +217,7 @@ def test_reading_a_code_brings_the_next_one_and_a_new_pulse():
 
 
 @pytest.mark.rule("I2C-281")
-def test_a_code_that_is_not_read_brings_no_second_pulse():
+def test_a_code_that_is_not_read_causes_no_second_pulse():
     rig = addressed(ier=IE_RRDY | IE_SCD)
     rig.send(0x11)
     rig.stop()
@@ -238,7 +238,7 @@ def test_reading_codes_1_2_and_6_clears_the_flag(make, enable, flag):
 @pytest.mark.rule("I2C-284", "I2C-285")
 @pytest.mark.parametrize(
     "make, enable, flag",
-    [(master_done, IE_ARDY, ARDY), (receive, IE_RRDY, RRDY), (want_data, IE_XRDY, XRDY), (called, IE_AAS, AAS)],
+    [(master_done, IE_ARDY, ARDY), (receive, IE_RRDY, RRDY), (need_data, IE_XRDY, XRDY), (called, IE_AAS, AAS)],
 )
 def test_reading_codes_3_4_5_and_7_leaves_the_flag(make, enable, flag):
     rig = make(enable)
@@ -252,7 +252,7 @@ def test_reading_codes_3_4_5_and_7_leaves_the_flag(make, enable, flag):
 
 @pytest.mark.rule("I2C-283")
 def test_reading_one_code_clears_no_other_flag():
-    """Code 2 is read while SCD waits: SCD stays, and is next."""
+    """Code 2 is read while SCD is pending: SCD is not cleared, and its code is the next."""
     rig = refuse()
     rig.stop()
     rig.write("I2CIER", IE_NACK | IE_SCD)
@@ -265,7 +265,7 @@ def test_reading_one_code_clears_no_other_flag():
 @pytest.mark.rule("I2C-286")
 @pytest.mark.parametrize("enable, broken", [(IE_XRDY, 1), (IE_RRDY, 1), (0x7F & ~IE_XRDY & ~IE_RRDY, 0)])
 @pytest.mark.parametrize("enable_first", [False, True])
-def test_in_fifo_mode_the_byte_enables_must_be_0(enable, broken, enable_first):
+def test_in_fifo_mode_a_byte_enable_of_1_is_noted(enable, broken, enable_first):
     rig = Rig()
     if enable_first:
         rig.write("I2CIER", enable)
@@ -276,7 +276,7 @@ def test_in_fifo_mode_the_byte_enables_must_be_0(enable, broken, enable_first):
 
 
 @pytest.mark.rule("I2C-286")
-def test_in_fifo_mode_the_other_requests_stay_usable():
+def test_in_fifo_mode_the_other_requests_work():
     rig = Rig().begin(fifos=(FFEN | FFRST, FFRST | 1))
     for enable, code in ((IE_AAS, 7), (IE_SCD, 6)):
         rig.write("I2CIER", enable)

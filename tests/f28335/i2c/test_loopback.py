@@ -14,7 +14,7 @@ OWN = 0x2A
 
 
 def loop(b: Bench, data: list[int], extra: str = "STP") -> list[int]:
-    """Sends the bytes to itself; those that came back."""
+    """Send bytes in loopback and return the received ones."""
     b.w("I2COAR", OWN)
     b.mode("FREE MST TRX STT DLB " + extra, count=len(data))
     got, left = [], list(data)
@@ -27,21 +27,21 @@ def loop(b: Bench, data: list[int], extra: str = "STP") -> list[int]:
     return got
 
 
-def bytes_said(b: Bench) -> list[str]:
-    """Without the answers: who acknowledges on the pin in loopback is not said."""
+def decoded_bytes(b: Bench) -> list[str]:
+    """Return the decoded transfer without acknowledge bits, because the manual does not specify them on the pin."""
     return [word for word in b.said().split() if word not in "AN"]
 
 
 @rule("I2C-307")
 @pytest.mark.parametrize("data", [[0x5C], [1, 2, 3], [0xFF, 0x00, 0xAA]])
-def test_what_leaves_i2cdxr_arrives_in_i2cdrr(data: list[int]):
+def test_bytes_from_i2cdxr_are_received_in_i2cdrr(data: list[int]):
     b = Bench()
     assert loop(b, data) == data
 
 
 @rule("I2C-307", "I2C-044", "I2C-040")
-def test_after_the_transfer_i2cmdr_reads_as_users_saw_it_on_a_sibling():
-    """0x6E60 written; 0x4260 when done: STT, STP, MST have cleared themselves."""
+def test_i2cmdr_after_the_transfer_has_the_value_that_users_saw_on_a_related_device():
+    """0x6E60 is written; at the end of the transfer it is 0x4260, because STT, STP and MST have cleared themselves."""
     b = Bench()
     loop(b, [0x5C])
     b.until(lambda: not b.flag("STP"))
@@ -55,7 +55,7 @@ def test_the_pins_show_the_transfer_to_the_own_address():
     b = Bench()
     loop(b, [0x5C, 0xA3])
     b.run(4 * SLOT)
-    assert bytes_said(b) == ["S", f"{OWN:02x}W", "5c", "a3", "P"]
+    assert decoded_bytes(b) == ["S", f"{OWN:02x}W", "5c", "a3", "P"]
 
 
 @rule("I2C-312")
@@ -91,7 +91,7 @@ def test_without_dlb_the_module_waits_for_the_scl_pin():
 
 
 @rule("I2C-306")
-def test_without_dlb_nothing_comes_back():
+def test_without_dlb_nothing_is_received():
     b = Bench(Target(0x50), own=OWN)
     b.write_all([0x5C])
     assert b.flags("RRDY") == "" and b.peek("I2CDRR") == 0
@@ -122,7 +122,7 @@ def test_loopback_in_the_free_data_format_is_not_supported():
 
 
 @rule("I2C-309", "I2C-310")
-def test_a_foreign_transfer_on_the_pins_is_not_heard():
+def test_a_foreign_transfer_on_the_pins_is_ignored():
     b = Bench(Foreign("S 2AW 12 P"), own=OWN)
     b.mode("MST TRX DLB")
     b.run(30 * SLOT)
@@ -130,9 +130,9 @@ def test_a_foreign_transfer_on_the_pins_is_not_heard():
     assert b.flags("AAS RRDY") == ""
 
 
-# ---- leaving it: the pins are heard again, whether they move or not ------------------------------------
+# ---- leaving loopback: the levels of the pins count again ------------------------------------------------
 
-FILTER = 16  # cycles in which an edge is behind the filter, and one more
+FILTER = 16  # delay of the filter in cycles, plus one
 LEAVING = pytest.mark.parametrize("way", ["DLB written 0", "IRS written 0 and 1"])
 
 
@@ -145,8 +145,8 @@ def leave(b: Bench, way: str) -> None:
 
 @rule("I2C-306")
 @LEAVING
-def test_out_of_loopback_a_clock_edge_of_others_is_no_start(way: str):
-    """Others' transfer stands in a low of SCL, SDA low: SCL rises, SDA rises. That is a STOP and nothing else."""
+def test_after_loopback_a_clock_edge_of_others_is_no_start(way: str):
+    """SCL and SDA are low in a transfer of others. When SCL rises and then SDA, this is only a STOP."""
     b = Bench()
     b.mode("MST TRX DLB")
     for line in (SDA, SCL):
@@ -164,7 +164,7 @@ def test_out_of_loopback_a_clock_edge_of_others_is_no_start(way: str):
 
 @rule("I2C-306", "I2C-037")
 @LEAVING
-def test_out_of_loopback_a_start_waits_for_a_clock_that_others_hold(way: str):
+def test_after_loopback_a_start_waits_for_scl_held_by_others(way: str):
     b = Bench(Target(0x50))
     b.mode("MST TRX DLB")
     b.pull(SCL)
@@ -177,8 +177,8 @@ def test_out_of_loopback_a_start_waits_for_a_clock_that_others_hold(way: str):
     assert b.said_at_stop() == "S 50W A 12 A P"
 
 
-def test_a_receiver_takes_its_count_though_the_filter_hides_every_bit():
-    """20 module clocks are more than SCL is high."""
+def test_a_receiver_counts_bytes_even_if_the_filter_suppresses_every_bit():
+    """A filter of 20 module clocks is wider than the high period of SCL."""
     b = Bench(options=with_(noise_filter_cycles=20))
     b.mode("FREE MST STT STP DLB", count=3)
     b.drain(2)
@@ -192,7 +192,7 @@ def _waits_for_data(b: Bench) -> bool:
     return not b.flag("XSMT")
 
 
-def test_a_byte_written_just_before_the_stop_comes_back_at_its_time_and_not_in_the_next_transfer():
+def test_a_byte_written_just_before_the_stop_is_received_after_the_usual_delay():
     n, early = 8 * 15, 50
     whole, b = (Bench(options=with_(dlb_delay="after_dxr_write"), psc=14) for _ in range(2))
     for bench in (whole, b):

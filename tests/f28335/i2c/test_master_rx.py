@@ -14,8 +14,8 @@ rule = pytest.mark.rule
 @rule("I2C-055", "I2C-078", "I2C-129", "I2C-138", "I2C-139", "I2C-140", "I2C-142", "I2C-143", "I2C-191", "I2C-057")
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 0x77), st.lists(st.integers(0, 255), min_size=1, max_size=5))
-def test_any_bytes_from_any_address(address: int, data: list[int]):
-    """The address goes out first; each byte is acknowledged but the last one; a STOP follows."""
+def test_any_bytes_are_received_from_any_address(address: int, data: list[int]):
+    """The address is sent first, every byte except the last one is acknowledged, and a STOP follows."""
     b = Bench(Target(address, data))
     b.w("I2CSAR", address)
     assert b.read_all(len(data)) == data
@@ -27,7 +27,7 @@ def test_any_bytes_from_any_address(address: int, data: list[int]):
 
 
 @rule("I2C-138", "I2C-139")
-def test_nothing_is_received_when_the_read_address_is_refused():
+def test_nothing_is_received_if_the_read_address_is_not_acknowledged():
     b = Bench()
     b.mode("MST STT", count=2)
     b.after("NACK", 20)
@@ -36,7 +36,7 @@ def test_nothing_is_received_when_the_read_address_is_refused():
 
 
 @rule("I2C-140", "I2C-239", "I2C-240")
-def test_rrdy_tells_of_each_byte_and_falls_when_it_is_read():
+def test_rrdy_is_set_by_each_byte_and_cleared_by_its_read():
     b = Bench(Target(gives=[0x81, 0x42]))
     b.mode("MST STT STP", count=2)
     b.edge(SCL, 0, 10 + 7)
@@ -48,7 +48,7 @@ def test_rrdy_tells_of_each_byte_and_falls_when_it_is_read():
 
 
 @rule("I2C-141", "I2C-210", "I2C-211")
-def test_two_unread_bytes_stop_the_clock_low_until_i2cdrr_is_read():
+def test_two_unread_bytes_hold_scl_until_i2cdrr_is_read():
     data = [0x11, 0x22, 0x33, 0x44]
     b = Bench(Target(gives=data))
     b.mode("MST STT STP", count=4)
@@ -92,7 +92,7 @@ def test_bc_bits_are_received_right_justified(bc: int):
 
 
 @rule("I2C-069")
-def test_a_change_of_bc_within_a_received_byte_acts_on_the_next():
+def test_a_change_of_bc_within_a_received_byte_applies_to_the_next():
     b = Bench(Target(gives=[0xA5, 0x16]))
     b.mode("MST STT STP", count=2)
     b.edge(SCL, 0, 10 + 4)
@@ -108,7 +108,7 @@ def test_a_change_of_bc_within_a_received_byte_acts_on_the_next():
 
 @rule("I2C-183", "I2C-184", "I2C-185", "I2C-201")
 @pytest.mark.parametrize("byte", [0, 1, 2])
-def test_nackmod_refuses_the_byte_in_which_it_is_set_earlier_than_the_count(byte: int):
+def test_nackmod_sends_a_nack_for_the_byte_in_which_it_is_set(byte: int):
     b = Bench(Target(gives=range(5)))
     b.mode("MST STT", count=5)
     b.drain(byte)
@@ -124,7 +124,7 @@ def test_nackmod_refuses_the_byte_in_which_it_is_set_earlier_than_the_count(byte
 
 @rule("I2C-185", "I2C-186")
 @pytest.mark.parametrize("late, answers", [(False, [1]), (True, [0, 1])])
-def test_nackmod_counts_from_the_rise_of_the_last_data_bit(late: bool, answers: list[int]):
+def test_nackmod_must_be_set_before_the_last_data_bit_rises(late: bool, answers: list[int]):
     b = Bench(Target(gives=range(5)))
     b.mode("MST STT", count=5)
     b.edge(SCL, 1, 9 + 8 - (not late))
@@ -138,7 +138,7 @@ def test_nackmod_counts_from_the_rise_of_the_last_data_bit(late: bool, answers: 
 
 @rule("I2C-187")
 def test_nackmod_left_from_transmitting_does_not_refuse_an_address():
-    """As a transmitter the module clocks acknowledge slots of others; NACKMOD only speaks for a receiver."""
+    """A transmitter leaves the acknowledge bits to other devices; NACKMOD has a meaning only for a receiver."""
     b = Bench(Target())
     b.send([1, 2], extra="NACKMOD", until="ARDY")
     assert b.said() == "S 50W A 01 A 02 A"
@@ -146,7 +146,7 @@ def test_nackmod_left_from_transmitting_does_not_refuse_an_address():
 
 
 @rule("I2C-189")
-def test_irs_0_in_a_byte_leaves_the_acknowledge_to_nobody():
+def test_irs_0_within_a_byte_releases_both_lines():
     b = Bench(Target(gives=[0xFF, 0xFF]))
     b.mode("MST STT", count=2)
     b.edge(SCL, 0, 10 + 6)
@@ -158,7 +158,7 @@ def test_irs_0_in_a_byte_leaves_the_acknowledge_to_nobody():
 
 @rule("I2C-192")
 @pytest.mark.parametrize("count", [2, 3, 9])
-def test_stp_set_later_makes_a_nack_and_a_stop_earlier_than_the_count(count: int):
+def test_stp_set_during_a_transfer_ends_it_before_the_count(count: int):
     b = Bench(Target(gives=[1, 2, 3]))
     b.mode("MST STT", count=count)
     assert b.drain(1) == [1]
@@ -170,7 +170,7 @@ def test_stp_set_later_makes_a_nack_and_a_stop_earlier_than_the_count(count: int
 
 
 @rule("I2C-191")
-def test_the_count_makes_the_last_nack_and_forces_the_stop():
+def test_the_end_of_the_count_sends_the_nack_and_the_stop():
     b = Bench(Target(gives=range(9)))
     b.read_all(4)
     assert b.target.answers == [0, 0, 0, 1]
@@ -186,7 +186,7 @@ def test_write_then_read_of_a_register_with_a_repeated_start():
 
 
 @rule("I2C-299")
-def test_received_bytes_collect_in_the_fifo():
+def test_received_bytes_are_stored_in_the_fifo():
     b = Bench(Target(gives=range(1, 11)))
     b.w("I2CFFTX", 1 << 14)
     b.w("I2CFFRX", 1 << 13)

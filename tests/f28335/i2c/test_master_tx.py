@@ -22,7 +22,7 @@ FIFO_ON = 1 << 14 | 1 << 13  # I2CFFEN, TXFFRST
 @rule("I2C-055", "I2C-066", "I2C-074", "I2C-075", "I2C-077", "I2C-078", "I2C-079", "I2C-129", "I2C-131")
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 0x77), st.lists(st.integers(0, 255), min_size=1, max_size=4))
-def test_any_bytes_to_any_address(address: int, data: list[int]):
+def test_any_bytes_are_sent_to_any_address(address: int, data: list[int]):
     b = Bench(Target(address))
     b.w("I2CSAR", address)
     said = b.write_all(data)
@@ -31,7 +31,7 @@ def test_any_bytes_to_any_address(address: int, data: list[int]):
 
 
 @rule("I2C-131", "I2C-133", "I2C-136", "I2C-235", "I2C-237", "I2C-243")
-def test_flags_along_a_transfer_of_two_bytes_one_column_a_clock_pulse():
+def test_flags_during_a_transfer_of_two_bytes():
     b = Bench(Target())
     b.mode("MST TRX STT", count=2, data=0x5)
     start = b.edge(SCL, 0)
@@ -62,7 +62,7 @@ def test_bc_sets_the_bits_of_data_bytes_and_sends_the_low_ones(bc: int):
 
 
 @rule("I2C-069")
-def test_a_change_of_bc_within_a_byte_acts_on_the_next_byte():
+def test_a_change_of_bc_within_a_byte_applies_to_the_next_byte():
     b = Bench(Target())
     b.send([0xA5], extra="STP", count=2)
     b.edge(SCL, 0, 10 + 4)
@@ -74,7 +74,7 @@ def test_a_change_of_bc_within_a_byte_acts_on_the_next_byte():
 
 
 @rule("I2C-072")
-def test_bc_is_to_be_loaded_before_i2cdxr():
+def test_bc_written_after_i2cdxr_is_noted():
     b = Bench(Target(bits=5))
     b.w("I2CCNT", 1)
     b.duties()
@@ -95,7 +95,7 @@ def test_bc_is_to_be_loaded_before_i2cdxr():
 
 @rule("I2C-073")
 @pytest.mark.parametrize("bc", [1, 4, 7, 0])
-def test_two_modules_with_the_same_bc_understand_each_other(bc: int):
+def test_two_modules_with_the_same_bc_exchange_bytes(bc: int):
     b = Bench(second=I2cOptions())
     b.w("I2COAR", 0x50, b.s)
     b.mode("", bc, b.s)
@@ -130,7 +130,7 @@ def test_the_second_address_byte_must_be_acknowledged_too():
 
 
 @rule("I2C-088")
-def test_i2csar_written_during_a_transfer_acts_at_the_next_start():
+def test_i2csar_written_during_a_transfer_applies_to_the_next_start():
     b = Bench(Target(0x50), Target(0x21))
     b.send([1], extra="", count=1)
     b.w("I2CSAR", 0x21)
@@ -162,7 +162,7 @@ def test_i2csar_0_is_a_general_call_and_nack_is_1_although_it_is_acknowledged():
 
 
 @rule("I2C-089")
-def test_an_address_other_than_0_is_no_general_call():
+def test_an_address_other_than_0_is_not_a_general_call():
     b = Bench(Target())
     b.send([0x12], extra="", until="ARDY")
     assert b.flags("NACK") == ""
@@ -185,7 +185,7 @@ def test_a_byte_in_i2cdxr_waits_there_while_the_address_is_shifted_out():
 
 @rule("I2C-130", "I2C-213", "I2C-214", "I2C-243")
 @pytest.mark.parametrize("sent", [0, 1, 3])
-def test_without_data_the_clock_stops_low_until_i2cdxr_is_written(sent: int):
+def test_without_data_scl_is_held_low_until_i2cdxr_is_written(sent: int):
     b = Bench(Target())
     b.send([9] * sent, count=sent + 1)
     b.until(lambda: not b.flag("XSMT"))
@@ -223,7 +223,7 @@ def test_the_next_transfer_starts_again_from_the_value_in_i2ccnt():
 @pytest.mark.long
 @rule("I2C-134")
 def test_i2ccnt_0_means_65536_bytes():
-    """One data bit a byte, a free bus with SDA down for good after the START, and nothing recorded: it is long."""
+    """To be fast, bytes have one bit, the test passes the pin levels directly, and SDA stays low after the START."""
     b = Bench(Target())
     chip = b.m
     b.w("I2CFFTX", FIFO_ON)
@@ -250,7 +250,7 @@ def test_i2ccnt_0_means_65536_bytes():
     for _ in range(8):
         now = min(chip.next_wake, now + SLOT)
         chip.wake(now)
-    assert chip.out == 0b11  # this rise was the STOP's
+    assert chip.out == 0b11  # the last rise was that of the STOP
 
 
 # ---- repeat mode -----------------------------------------------------------------------------------------
@@ -278,7 +278,7 @@ def test_repeat_mode_each_write_to_i2cdxr_sends_one_byte_and_each_byte_sets_ardy
 
 @rule("I2C-058")
 @pytest.mark.parametrize("count", [0, 1, 2, 65535])
-def test_repeat_mode_does_not_ask_i2ccnt(count: int):
+def test_repeat_mode_ignores_i2ccnt(count: int):
     b = Bench(Target())
     b.send([1, 2, 3, 4], extra="RM", count=count)
     b.until(lambda: b.flag("ARDY") and len(b.target.got) == 4)
@@ -319,7 +319,7 @@ def test_counted_transfer_takes_its_bytes_from_the_fifo_and_leaves_the_rest():
 
 
 @rule("I2C-244")
-def test_with_stp_the_end_of_the_count_leaves_ardy():
+def test_with_stp_the_end_of_the_count_does_not_set_ardy():
     b = Bench(Target())
     seen = []
     b.send([1, 2])
@@ -362,8 +362,8 @@ def test_ardy_is_never_set_in_slave_mode():
 
 
 @rule("I2C-250")
-def test_an_absent_slave_leaves_the_status_that_users_saw_on_a_sibling():
-    """I2CSTR = 0x1406 with I2CDXR loaded before STT: BB, XSMT, ARDY, NACK; the byte still waits (XRDY = 0)."""
+def test_i2cstr_after_an_absent_slave_has_the_value_that_users_saw_on_a_related_device():
+    """I2CSTR = 0x1406 (BB, XSMT, ARDY, NACK) if I2CDXR is written before STT; the byte is not sent (XRDY = 0)."""
     b = Bench()
     b.mode("MST TRX STT", count=1, data=0x12)
     b.after("NACK")

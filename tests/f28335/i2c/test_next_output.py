@@ -1,6 +1,4 @@
-"""`next_output`: before it, without an input, no line moves and nothing that can be read. Nor by as many edges of SCL
-as `silent_edges` says. Whatever the module does and however it is built.
-"""
+"""Outputs and readable values do not change before `next_output` without an input, nor during `silent_edges` of SCL."""
 
 from __future__ import annotations
 
@@ -23,16 +21,17 @@ from ..i2c_registers import FDF, IRS
 OWN, OTHER = 0x50, 0x2A
 
 
-class Held(I2c):
-    """A module that is held to what it says of its outputs, and of edges by which nobody can tell anything.
+class CheckedI2c(I2c):
+    """Module that checks its predictions `next_output` and `silent_edges` at each call.
 
-    early: wake-ups before what it said, which so moved nothing. silent: edges that moved nothing, as it said before.
+    early: the number of wake-ups before the predicted output; they changed nothing.
+    silent: the number of edges that were predicted to be silent and changed nothing.
     """
 
-    said = 0
+    predicted = 0
     early = 0
     silent = 0
-    left = -1  # edges of SCL by which nothing moves before `first`; -1: nothing was said, or it holds no longer
+    left = -1  # predicted number of further silent edges of SCL before the time `first`; -1: no valid prediction
     first = 0
     scl_moved = -1_000
 
@@ -40,7 +39,7 @@ class Held(I2c):
         return self.out, self.state.readable(), self.requests, self.held, len(self.notes)
 
     def look(self) -> None:
-        self.said = self.first = self.next_output()
+        self.predicted = self.first = self.next_output()
         self.left = self.silent_edges()
 
     def pins(self, now: int, levels: int) -> int:
@@ -56,7 +55,7 @@ class Held(I2c):
             self.silent += 1
         else:
             self.look()
-        self.said = self.next_output()
+        self.predicted = self.next_output()
         return looks
 
     def read(self, now: int, offset: int) -> int:
@@ -76,38 +75,38 @@ class Held(I2c):
         before = self.shown()
         looks = super().wake(now)
         same = self.shown() == before
-        assert same or now >= self.said, f"{before} became {self.shown()} before {self.said}"
-        self.early += now < self.said
+        assert same or now >= self.predicted, f"{before} became {self.shown()} before {self.predicted}"
+        self.early += now < self.predicted
         if self.left >= 0 and now < self.first:
-            assert same, f"{before} became {self.shown()}, with {self.left} edges left of which nobody can tell"
+            assert same, f"{before} became {self.shown()}, with {self.left} silent edges left"
         else:
             self.look()
-        self.said = max(self.said, self.next_output())  # what was said holds until an input comes
+        self.predicted = max(self.predicted, self.next_output())  # a prediction is valid until the next input
         return looks
 
 
 @pytest.fixture(autouse=True)
-def held() -> Iterator[None]:
+def checked_modules() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(i2c_bus, "I2c", Held)
+        patch.setattr(i2c_bus, "I2c", CheckedI2c)
         yield
 
 
 def early(chip: I2c) -> int:
-    assert isinstance(chip, Held)
+    assert isinstance(chip, CheckedI2c)
     return chip.early
 
 
-def test_a_slave_that_is_not_meant_says_that_it_never_moves_a_line():
+def test_next_output_of_a_slave_that_is_not_addressed_is_never():
     b = Bench(Target(OTHER))
     b.w("I2COAR", OWN)
     assert b.m.next_output() == NEVER
     b.w("I2CSAR", OTHER)
-    assert b.write_all([0x5A]) == "S 2aW A 5a A P"  # by the module itself, as master
+    assert b.write_all([0x5A]) == "S 2aW A 5a A P"  # sent by the module itself as master
     assert b.m.next_output() == NEVER
 
 
-def test_a_slave_that_receives_says_that_nothing_is_told_before_the_byte_ends():
+def test_next_output_and_silent_edges_of_a_receiving_slave_reach_to_the_end_of_the_byte():
     b = Bench(second=I2cOptions())
     b.w("I2COAR", OWN, b.s)
     b.mode("MST TRX STT STP", count=2)
@@ -127,14 +126,14 @@ def test_a_slave_that_receives_says_that_nothing_is_told_before_the_byte_ends():
     assert early(b.s) > before + 18
 
 
-def test_a_code_on_its_way_to_i2cisrc_will_be_read():
-    """Without a bus that moves: NACK is enabled, and IER is written with the flag up."""
+def test_next_output_includes_a_pending_code_of_i2cisrc():
+    """XRDY is 1 when its enable is written; no line of the bus changes."""
     b = Bench()
     b.w("I2CIER", 0x10)
     assert b.m.next_output() == b.m.next_wake == b.now + 2
 
 
-def test_a_module_without_irs_says_that_it_never_moves_a_line():
+def test_next_output_of_a_module_in_reset_is_never():
     b = Bench(enable=False)
     b.w("I2CMDR", FDF)
     b.pull(SCL)
@@ -146,43 +145,43 @@ def test_a_module_without_irs_says_that_it_never_moves_a_line():
     assert b.m.next_output() == b.now + 15
 
 
-def test_a_module_whose_clock_is_gated_off_says_that_it_never_moves_a_line():
+def test_next_output_of_a_module_without_clock_is_never():
     b = bench(I2cOptions(), I2cOptions())
-    fetched(b)
+    read_from_slave(b)
     assert b.s.next_output() == b.now + 15
     b.s.gate(b.now, False)
     assert b.s.next_output() == NEVER
 
 
-def sent(b: Bench) -> None:
+def write_to_slave(b: Bench) -> None:
     b.mode("MST TRX STT STP", count=2)
     b.w("I2CDXR", 0x5A)
 
 
-def fetched(b: Bench) -> None:
-    """The slave has no data: it stretches until the CPU writes some."""
+def read_from_slave(b: Bench) -> None:
+    """The slave has no data, so it holds SCL until the CPU writes some."""
     b.mode("MST STT STP", count=2)
     b.until(lambda: b.flag("SDIR", b.s) and not b.flag("XSMT", b.s))
     b.run(SLOT)
     b.w("I2CDXR", 0x35, b.s)
 
 
-def fetched_without_bcm(b: Bench) -> None:
+def read_from_slave_without_bcm(b: Bench) -> None:
     b.w("I2CEMDR", 0, b.s)
-    fetched(b)
+    read_from_slave(b)
 
 
-def lost(b: Bench) -> None:
-    """Somebody pulls SDA where the master sends ones: it lets go with the filtered rise."""
+def lose_arbitration(b: Bench) -> None:
+    """Another party pulls SDA while the master sends ones; the master releases SDA at the filtered rise of SCL."""
     b.w("I2CSAR", 0x7F)
-    sent(b)
+    write_to_slave(b)
     b.edge(SCL, 0, 2)
     b.pull(SDA)
 
 
 def clocked_by_another(b: Bench) -> None:
-    """SCL is pulled in the master's high phase: its own low begins with the filtered fall."""
-    sent(b)
+    """SCL is pulled in the high phase of the master, whose low period begins at the filtered fall."""
+    write_to_slave(b)
     b.edge(SCL, 1, 3)
     b.run(20)
     b.pull(SCL)
@@ -191,7 +190,7 @@ def clocked_by_another(b: Bench) -> None:
 
 
 def free_data(b: Bench) -> None:
-    """START and the fall of SCL within one width of the filter: the slave follows neither when the second comes."""
+    """A START and the fall of SCL are within one width of the filter: the slave reacts to both after the second."""
     b.mode("FDF TRX", 0, b.s)
     b.w("I2CDXR", 0x35, b.s)
     b.pull(SDA)
@@ -199,22 +198,22 @@ def free_data(b: Bench) -> None:
     b.pull(SCL)
 
 
-def halted(b: Bench) -> None:
-    """At a breakpoint a slave holds SCL from the fall behind a START on, which comes within a width of the filter."""
+def halt(b: Bench) -> None:
+    """At a breakpoint, a slave holds SCL from the fall after a START on, which is within one width of the filter."""
     b.pull(SDA)
     b.run(5)
     b.pull(SCL)
     b.m.suspend(b.now, True)
 
 
-def looped(b: Bench) -> None:
+def loop_back(b: Bench) -> None:
     b.w("I2COAR", OTHER)
     b.mode("FREE MST TRX STT STP DLB", count=1)
     b.w("I2CDXR", 0x5A)
 
 
-def waiting(b: Bench) -> None:
-    """The START comes a low time after the STOP of another master."""
+def wait_for_the_bus(b: Bench) -> None:
+    """The START is a low time after the STOP of another master."""
     b.pull(SDA)
     b.run(SLOT)
     b.mode("MST TRX STT STP")
@@ -222,14 +221,24 @@ def waiting(b: Bench) -> None:
     b.let_go(SDA)
 
 
-SCENES = {
+SCENARIOS = {
     of.__name__: of
-    for of in (sent, fetched, fetched_without_bcm, lost, clocked_by_another, free_data, halted, looped, waiting)
+    for of in (
+        write_to_slave,
+        read_from_slave,
+        read_from_slave_without_bcm,
+        lose_arbitration,
+        clocked_by_another,
+        free_data,
+        halt,
+        loop_back,
+        wait_for_the_bus,
+    )
 }
 
 
 def bench(first: I2cOptions, second: I2cOptions, rise: int = 0) -> Bench:
-    """Two modules, `s` at address OWN, and a device at OTHER."""
+    """Return a bus with two modules, of which `s` has the address OWN, and a device with the address OTHER."""
     b = Bench(Target(OTHER, [0x12, 0x34]), options=first, second=second, rise=rise)
     b.w("I2COAR", OWN, b.s)
     b.w("I2CIER", 0x7F)
@@ -237,12 +246,12 @@ def bench(first: I2cOptions, second: I2cOptions, rise: int = 0) -> Bench:
     return b
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_no_line_moves_before_it(name: str):
-    """`Held` asserts at each wake-up, of which some come earlier."""
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_nothing_changes_before_next_output(name: str):
+    """`CheckedI2c` checks each wake-up; some of them are earlier than `next_output`."""
     b = bench(with_(stt_while_busy="foreign_waits"), I2cOptions())
     edges = len(b.edges)
-    SCENES[name](b)
+    SCENARIOS[name](b)
     b.run(30 * SLOT)
     assert len(b.edges) > edges
     assert early(b.m) + early(b.s) > 0
@@ -281,7 +290,7 @@ STEPS = st.tuples(st.sampled_from(sorted(ACTIONS)), st.sampled_from("ms"), st.in
 
 @st.composite
 def options(draw: st.DrawFn) -> I2cOptions:
-    """Any answers to a few of the open questions; the filter at most as wide as tests have time for."""
+    """Draw values of a few options; the filter is not wide, to keep the runs short."""
     named = [of for of in fields(I2cOptions) if "values" in of.metadata]
     chosen = draw(st.lists(st.sampled_from(named), max_size=8, unique_by=lambda of: of.name))
     given = {of.name: draw(st.sampled_from(of.metadata["values"])) for of in chosen}
@@ -290,14 +299,16 @@ def options(draw: st.DrawFn) -> I2cOptions:
 
 @pytest.mark.long
 @settings(max_examples=200, deadline=None)
-@given(options(), options(), st.sampled_from(sorted(SCENES)), st.lists(STEPS, max_size=12), st.sampled_from([0, 30]))
-def test_no_line_moves_before_it_whatever_happens(first: I2cOptions, second: I2cOptions, name: str, steps, rise: int):
-    """A scene, and firmware and a hand that meddle in it, with any answers to open questions."""
+@given(options(), options(), st.sampled_from(sorted(SCENARIOS)), st.lists(STEPS, max_size=12), st.sampled_from([0, 30]))
+def test_nothing_changes_before_next_output_with_random_actions(
+    first: I2cOptions, second: I2cOptions, name: str, steps, rise: int
+):
+    """A scenario with random actions of firmware and of the test on the lines, with any values of options."""
     b = bench(first, second, rise)
     try:
-        SCENES[name](b)
-    except AssertionError as nothing:
-        if "not within" not in str(nothing):
+        SCENARIOS[name](b)
+    except AssertionError as error:
+        if "the condition did not hold within" not in str(error):
             raise
     for action, which, cycles in steps:
         ACTIONS[action](b, b.m if which == "m" else b.s)

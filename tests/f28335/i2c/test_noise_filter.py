@@ -1,4 +1,4 @@
-"""The noise filter of SCL and SDA by itself. A column is a cycle; the filter is five wide."""
+"""The noise filter of SCL and SDA alone. Columns of diagrams are cycles; the filter is five cycles wide."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ IN_ORDER = BoolOption("unequal_arrival", False)
 
 
 class Rig(DiagramRig):
-    """Rows: SCL, SDA the pins; scl, sda behind the filter; new: how often a change came out, the last digit."""
+    """Rows: SCL, SDA are the pins; scl, sda the outputs; new is the number of changes of the outputs (last digit)."""
 
     def __init__(self, together: bool = False) -> None:
         self.touched: set[str] = set()
@@ -44,7 +44,7 @@ class Rig(DiagramRig):
         return self.filter.levels >> (signal == "sda") & 1
 
 
-def test_a_level_counts_once_it_has_lasted_for_the_width():
+def test_a_level_reaches_the_output_after_the_width_of_the_filter():
     Rig().check("""
         > SCL  1 0 . . . . . . . 1 . . . . . .
         < scl  1 . . . . . 0 . . . . . . . 1 .
@@ -52,7 +52,7 @@ def test_a_level_counts_once_it_has_lasted_for_the_width():
     """)
 
 
-def test_a_shorter_pulse_was_never_there():
+def test_a_shorter_pulse_has_no_effect():
     Rig().check("""
         > SCL  1 0 . . . 1 . . 0 . . . . . . .
         > SDA  1 . . 0 . . . 1 . . . . . . . .
@@ -62,7 +62,7 @@ def test_a_shorter_pulse_was_never_there():
     """)
 
 
-def test_edges_of_one_cycle_leave_as_one_change():
+def test_edges_in_one_cycle_are_one_change_of_the_output():
     diagram = """
         > SCL  1 0 . . . . . . 1 . . . . . .
         > SDA  1 0 . . . . . . 1 . . . . . .
@@ -93,7 +93,7 @@ UNEQUAL = {
 
 
 @pytest.mark.parametrize("answer", UNEQUAL)
-def test_edges_less_than_a_module_clock_apart(answer):
+def test_edges_less_than_a_module_clock_apart_depend_on_unequal_arrival(answer):
     rig = Rig(answer == "one_sample")
     assert play(UNEQUAL[answer], rig, 1) == tidy(UNEQUAL[answer]) and rig.touched == {"unequal_arrival"}
 
@@ -123,7 +123,7 @@ def test_edges_a_module_clock_apart_are_two_changes(together):
 
 @given(st.lists(st.tuples(st.integers(1, 9), st.integers(0, 3)), max_size=30), st.booleans(), st.integers(0, 99))
 def test_the_last_levels_given_for_a_cycle_are_its_sample(steps, together, seed):
-    """Whatever was given for the same cycle before them."""
+    """Earlier levels for the same cycle have no effect."""
     chance = random.Random(seed)
     answer = BoolOption("unequal_arrival", together)
     once, often = I2cNoiseFilter(answer, set()), I2cNoiseFilter(answer, set())
@@ -141,8 +141,8 @@ def test_the_last_levels_given_for_a_cycle_are_its_sample(steps, together, seed)
 
 
 @given(st.lists(st.tuples(st.integers(1, 9), st.integers(0, 3)), max_size=30))
-def test_it_does_what_looking_at_every_cycle_would(steps):
-    """A line changes behind the filter when its pin has had the other level in five samples in a row."""
+def test_the_filter_equals_one_that_samples_every_cycle(steps):
+    """An output changes when its pin has had the other level in five consecutive samples."""
     lazy, pins, levels, run = I2cNoiseFilter(IN_ORDER, set()), 0b11, 0b11, [0, 0]
     given = {sum(gap for gap, _ in steps[: n + 1]): level for n, (_, level) in enumerate(steps)}
     for cycle in range(max(given, default=0) + 20):
@@ -158,10 +158,10 @@ def test_it_does_what_looking_at_every_cycle_would(steps):
             lazy.sample(cycle, pins, WIDTH, WIDTH)
         scl = levels & 1
         assert lazy.levels & 1 == scl and lazy.due > cycle
-        assert lazy.levels == levels or not scl  # changes of SDA while SCL is low may be applied later
+        assert lazy.levels == levels or not scl  # a change of SDA while SCL is low may be applied later
 
 
-def test_settled_lines_have_nothing_to_come():
+def test_constant_lines_request_no_wake_up():
     lines = I2cNoiseFilter(IN_ORDER, set())
     lines.sample(0, 0b00, WIDTH, WIDTH)
     lines.settle(0b10)

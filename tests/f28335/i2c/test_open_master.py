@@ -1,4 +1,4 @@
-"""Open questions about the I2C module as master, its clock, loopback and debugger: every value of every option."""
+"""Open questions about the I2C module as master, its clock, loopback and debugger, with every value of the options."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ..i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, decode,
 rule = pytest.mark.rule
 
 TMOD = 15
-FILTER = TMOD + 1  # cycles after which an edge is seen
+FILTER = TMOD + 1  # delay of the filter in cycles, plus one
 
 
-def test_the_choices_below_are_all_there_are():
-    """A value added to one of these options fails here until it has its test."""
+def test_the_tested_values_are_all_values_of_these_options():
+    """If one of these options gets another value, this test fails until the table and the tests are extended."""
     tested = {
         "hold_scl_after_nack": 2,
         "ardy_on_nack": 2,
@@ -97,7 +97,7 @@ def test_open_stop_without_data_counts_the_bytes_since_the_last_start(how: str, 
 @rule("I2C-132", "I2C-133")
 @pytest.mark.parametrize("point, sent", [("start", 2), ("write", 4)])
 def test_open_cnt_copy_point(point: str, sent: int):
-    """I2CCNT = 2; while the second byte is sent 3 is written."""
+    """I2CCNT is 2, and 3 is written to it while the second byte is sent."""
     b = Bench(Target(), options=with_(cnt_copy_point=point))
     b.mode("MST TRX STT", count=2)
     b.feed([1, 2])
@@ -131,7 +131,7 @@ def test_open_mr_nack_at_count0_with_stp_the_last_byte_is_refused(how: str):
 @rule("I2C-062", "I2C-144", "I2C-190", "I2C-051", "I2C-058")
 @pytest.mark.parametrize("how", ["allowed", "ignored"])
 def test_open_rm_receiver(how: str):
-    """I2CCNT = 2: a repeat mode that exists reads on until STP refuses a byte; else two bytes are all."""
+    """With I2CCNT = 2, a receiver in repeat mode reads until STP is set; if RM is ignored, it reads two bytes."""
     b = Bench(Target(gives=range(1, 9)), options=with_(rm_receiver=how))
     b.mode("MST STT RM", count=2)
     assert b.drain(2) == [1, 2]
@@ -164,7 +164,7 @@ def test_open_rm_receiver_allowed_ends_with_a_repeated_start():
 @rule("I2C-070")
 @pytest.mark.parametrize("how, got", [("last_bits", [0x15, 0x5C]), ("zeros", [0x05, 0x0C])])
 def test_open_bc_less_than_8_upper_bits(how: str, got: list[int]):
-    """After the address byte 0xA1 four bits 5, then four bits C."""
+    """The address byte 0xA1 is followed by the four bits 5 and the four bits C."""
     b = Bench(Target(gives=[0x5, 0xC], bits=4), options=with_(bc_less_than_8_upper_bits=how))
     assert b.read_all(2, bc=4) == got
 
@@ -186,7 +186,7 @@ def test_open_stt_with_irs_write(how: str):
 @rule("I2C-150", "I2C-258")
 @pytest.mark.parametrize("how", ["foreign_al", "foreign_waits", "always_repeated_start"])
 def test_open_stt_while_busy(how: str):
-    """STT in the second byte of a foreign transfer."""
+    """STT is set in the second byte of a foreign transfer."""
     b = Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P"), options=with_(stt_while_busy=how))
     b.edge(SCL, 0, 12)
     b.mode("MST TRX STT STP", count=1, data=0x12)
@@ -198,7 +198,7 @@ def test_open_stt_while_busy(how: str):
         assert b.said() == "S 48W A 77 A P S 50W A 12 A P"
         assert b.flags("AL MST STP") == ""
         _, stop, start, _ = (said.start for said in decode(b.edges) if said.text in "SP")
-        assert start - stop == TMOD + LOW  # the STOP is seen behind the filter
+        assert start - stop == TMOD + LOW  # the filter delays the STOP by TMOD
     else:
         assert b.said() == "S 48W A ~01110 S 50W A 12 A P"
 
@@ -227,7 +227,7 @@ def test_open_foreign_start_stop_a_start_against_a_one(how: str):
 @rule("I2C-181")
 @pytest.mark.parametrize("how", FOREIGN)
 def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
-    """The target lets go of SDA in the high phase of the third bit that it gives."""
+    """The target releases SDA in the high phase of the third bit that it sends."""
     b = Bench(Target(gives=[0x00, 0x12]), options=with_(foreign_start_stop=how))
     b.mode("MST STT STP", count=2)
     b.edge(SCL, 1, 10 + 3)
@@ -244,7 +244,7 @@ def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
 
 @rule("I2C-181")
 @pytest.mark.parametrize("how", FOREIGN)
-def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_own(how: str):
+def test_open_foreign_start_stop_has_no_effect_on_own_conditions(how: str):
     b = Bench(Target(gives=[0x77]), options=with_(foreign_start_stop=how))
     b.send([0x00], extra="", until="ARDY")
     assert b.read_all(1) == [0x77]
@@ -253,7 +253,7 @@ def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_ow
     assert b.flags("AL") == "" and "foreign_start_stop" not in b.m.touched
 
 
-def test_a_foreign_stop_after_the_own_one_takes_no_command_back():
+def test_a_foreign_stop_after_the_own_one_clears_no_command():
     b = Bench(Target(), Target(0x48))
     b.write_all([0x12])
     b.join(Foreign("S 48W 77 P", at=b.now + SLOT))
@@ -263,8 +263,8 @@ def test_a_foreign_stop_after_the_own_one_takes_no_command_back():
 
 
 @rule("I2C-037", "I2C-150")
-def test_a_start_waits_until_nobody_holds_scl():
-    """SCL is low though no START was seen: BB is 0, so the bus is free by the book."""
+def test_a_start_waits_until_scl_is_released():
+    """SCL is low without a START: BB is 0, so the bus is free according to the manual."""
     b = Bench(Target())
     b.pull(SCL)
     b.run(2 * SLOT)
@@ -279,7 +279,7 @@ def test_a_start_waits_until_nobody_holds_scl():
 
 @rule("I2C-150")
 @pytest.mark.parametrize("how", ["foreign_al", "foreign_waits", "always_repeated_start"])
-def test_open_stt_while_busy_does_not_matter_on_the_own_bus(how: str):
+def test_open_stt_while_busy_has_no_effect_on_the_own_bus(how: str):
     b = Bench(Target(), options=with_(stt_while_busy=how))
     b.send([1], extra="", until="ARDY")
     b.send([2])
@@ -303,7 +303,7 @@ def test_open_al_clears_stt(clears: bool):
     "how, said", [("header_r_only", "S 7aR N"), ("full_address_first", "S 7aW A 34 A S 7aR A 99 N P")]
 )
 def test_open_ten_bit_read_from_idle(how: str, said: str):
-    """A device answers the header with R only if the whole address came before."""
+    """A device acknowledges the first byte with R only after the complete address."""
     b = Bench(Target(0x234, [0x99]), options=with_(ten_bit_read=how))
     b.w("I2CSAR", 0x234)
     b.mode("MST STT STP XA", count=1)
@@ -320,7 +320,7 @@ def test_open_own_general_call(how: str, said: str):
     b.send([], extra="", count=1)
     assert b.said_after(15 * SLOT) == said
     assert b.flags("AAS AD0") == ("AAS AD0" if how == "answered" else "")
-    assert b.flag("NACK")  # either way, Table 10
+    assert b.flag("NACK")  # in both cases, as in Table 10
 
 
 @rule("I2C-063", "I2C-091")
@@ -360,7 +360,7 @@ def _scl_pairs(b: Bench) -> list[tuple]:
 @rule("I2C-159", "I2C-160", "I2C-174")
 @pytest.mark.parametrize("width", [0, 1, 3])
 def test_open_noise_filter_cycles_is_in_the_programmed_times(width: int):
-    """The divisors give the low and high time whatever the filter is."""
+    """The low and high times depend on the divisors but not on the filter."""
     b = Bench(Target(), options=with_(noise_filter_cycles=width))
     b.write_all([0x12])
     assert {y.time - x.time for x, y in _scl_pairs(b)} == {LOW, HIGH}
@@ -384,7 +384,7 @@ def test_open_psc_write_irs1(how: str, tmod: int):
 @pytest.mark.parametrize("setup", [0, 1, 2, 8])
 @pytest.mark.parametrize("role", ["master", "slave"])
 def test_open_sda_setup_before_scl_release(role: str, setup: int):
-    """A transmitter that was late: first its bit goes out, then SCL is released."""
+    """A transmitter that has held SCL outputs its bit before it releases SCL."""
     partner = Target() if role == "master" else Foreign("S 50R ?N P")
     b = Bench(partner, options=with_(sda_setup_before_scl_release=setup), own=0x50)
     if role == "master":
@@ -395,7 +395,7 @@ def test_open_sda_setup_before_scl_release(role: str, setup: int):
     write = b.now
     b.w("I2CDXR", 0x12)
     b.run((setup + 1) * TMOD)
-    assert b.times(SCL, 1, write)[0] - write == max(1, setup * TMOD)  # never together: that could be a START
+    assert b.times(SCL, 1, write)[0] - write == max(1, setup * TMOD)  # never in the same cycle, which could be a START
     assert b.level[SDA] == 0
     assert b.times(SDA, 0)[-1] <= write + 1
 
@@ -437,7 +437,7 @@ def test_open_dlb_delay(how: str, psc: int):
 @rule("I2C-324")
 @pytest.mark.parametrize("how", ["byte", "whole_transfer"])
 def test_open_free_slave_unit(how: str):
-    """A breakpoint in the first of two data bytes, with FREE = 0."""
+    """A breakpoint is hit in the first of two data bytes, with FREE = 0."""
     b = Bench(Foreign("S 50W 12 34 P"), options=with_(free_slave_unit=how), own=0x50)
     b.edge(SCL, 0, 10 + 4)
     b.suspend(True)
@@ -458,7 +458,7 @@ def test_open_free_slave_unit(how: str):
 @rule("I2C-269")
 @pytest.mark.parametrize("how", ["level", "only_addressed"])
 def test_open_xrdyint_when_idle_as_master(how: str):
-    """XRDY = 1 asks at once, or from the START to the end of the transfer."""
+    """XRDY = 1 requests at once, or only from the START to the end of the transfer."""
     b = Bench(Target(), options=with_(xrdyint_when_idle=how))
     b.w("I2CIER", 1 << 4)
     b.run(100)
@@ -467,7 +467,7 @@ def test_open_xrdyint_when_idle_as_master(how: str):
     b.mode("MST TRX STT STP", count=1)
     b.until(lambda: not b.flag("XSMT"))
     b.run(100)
-    assert b.peek("I2CISRC") == (0 if how == "level" else 5)  # one request for one rise of the condition
+    assert b.peek("I2CISRC") == (0 if how == "level" else 5)  # one request for each rise of the condition
     b.r("I2CISRC")
     b.w("I2CDXR", 1)
     b.stopped()
@@ -484,7 +484,7 @@ def test_open_xrdyint_when_idle_as_master_receiver():
 
 
 def test_open_xrdyint_when_idle_after_lost_arbitration():
-    """The loser has no transfer any more that wants data."""
+    """After the loss of arbitration, no transfer needs data."""
     b = Bench(Target(0x48), Foreign("S 48W 77 P", at=None), options=with_(xrdyint_when_idle="only_addressed"))
     b.mode("MST TRX STT STP")
     b.until(lambda: b.flag("AL"))
@@ -499,7 +499,7 @@ def test_open_xrdyint_when_idle_after_lost_arbitration():
 @rule("I2C-096", "I2C-239")
 @pytest.mark.parametrize("point, level, edge, seen", [("fall8", 0, 18, 0), ("rise9", 1, 18, TMOD), ("fall9", 0, 19, 0)])
 def test_open_rrdy_point_as_master(point: str, level: int, edge: int, seen: int):
-    """edge: of SCL, counted from the START; seen: cycles from it, since a rise is seen behind the filter."""
+    """edge: number of the SCL edge since the START; seen: cycles after it, because the filter delays a rise."""
     b = Bench(Target(gives=[0x77]), options=with_(rrdy_point=point))
     b.mode("MST STT STP", count=1)
     came = b.until(lambda: b.flag("RRDY"))

@@ -1,6 +1,6 @@
-"""Open questions of the I2C module that a slave, a receiver, a FIFO or the registers meet: every value of every option.
+"""Open questions about the I2C module as slave, its receiver, FIFOs and registers, with every value of the options.
 
-TI does not say, or says two things. The first value of each list is the model's default.
+TI's documents do not answer them or contradict each other. The first value of each list is the default.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ def idle(mode: int = 0, **options) -> Rig:
     return Rig(**options).begin(mode)
 
 
-def served(count: int, **options) -> Rig:
-    """The master has read `count` bytes 0x11, 0x12, ..., each written when wanted; the last got its NACK."""
+def read_bytes(count: int, **options) -> Rig:
+    """Return a rig whose master has read `count` bytes 0x11, 0x12, ..., each written when needed, with a NACK."""
     rig = addressed(read=1, first=0x11, **options)
     for n in range(count):
         if n:
@@ -64,7 +64,7 @@ def test_open_emdr_present(present):
     rig.write("I2CIER", IE_XRDY)
     rig.begin()
     rig.ask()
-    assert rig.peek("I2CISRC", wait=SOON) == (0 if present else 5), "BCM = 0 asks later"
+    assert rig.peek("I2CISRC", wait=SOON) == (0 if present else 5), "with BCM = 0, the request is later"
     rig.reset()
     rig.write("I2CEMDR", 1)
     assert rig.read("I2CEMDR") == int(present)
@@ -108,7 +108,7 @@ def test_open_aas_sdir_point(point):
 @pytest.mark.parametrize("point", COPY_POINTS)
 @pytest.mark.parametrize("trx", [0, TRX])
 def test_open_dxr_to_xsr_copy_point_idle(point, trx):
-    """0x11 is written on an idle bus, 0x22 over or behind it, then the master reads."""
+    """0x11 and then 0x22 are written on an idle bus before the master reads."""
     rig = idle(trx, dxr_to_xsr_copy_point=point)
     rig.write("I2CDXR", 0x11)
     eager = point in ("eager", "eager_reloaded_at_address") or (point == "eager_if_trx" and trx != 0)
@@ -139,7 +139,7 @@ def test_open_dxr_to_xsr_copy_point_inside_the_ack_slot(point):
 @pytest.mark.rule("I2C-115")
 @pytest.mark.parametrize("point", COPY_POINTS)
 def test_open_dxr_to_xsr_copy_point_while_receiving(point):
-    """0x11 waits in I2CDXR while a pointer byte is received: only one reading moves it on then."""
+    """0x11 is in I2CDXR while a pointer byte is received; only `any_ack_fall9` copies it then."""
     rig = addressed(dxr_to_xsr_copy_point=point)
     rig.write("I2CDXR", 0x11)
     before = rig.flag("XRDY")
@@ -151,7 +151,7 @@ def test_open_dxr_to_xsr_copy_point_while_receiving(point):
 @pytest.mark.rule("I2C-118")
 @pytest.mark.parametrize("point", COPY_POINTS)
 def test_open_dxr_to_xsr_copy_point_between_data_bytes(point):
-    """0x22 waits in I2CDXR while 0x11 is on the bus: at which edge XRDY says that it moved on."""
+    """0x22 is in I2CDXR while 0x11 is sent; XRDY rises at the edge at which 0x22 is copied."""
     rig = addressed(read=1, first=0x11, dxr_to_xsr_copy_point=point, xrdy_rise_point="at_copy", mode=TRX)
     if not rig.flag("XRDY"):
         rig.wait(100)
@@ -213,18 +213,18 @@ def test_open_tx_underflow_policy(policy):
 @pytest.mark.rule("I2C-108")
 @pytest.mark.parametrize("stretches", [True, False])
 def test_open_stretch_after_address_ack(stretches):
-    rig = served(1, stretch_after_address_ack=stretches)
+    rig = read_bytes(1, stretch_after_address_ack=stretches)
     rig.stop()
     rig.address(OWN, 1)
     rig.wait(BIT)
     assert rig.stretching == stretches
     if not stretches:
-        assert rig.take(ack=False) == 0x11, "what was left in I2CXSR"
+        assert rig.take(ack=False) == 0x11, "the byte that was left in I2CXSR"
 
 
 @pytest.mark.parametrize("stretches", [True, False])
 def test_open_stretch_after_address_ack_in_the_free_data_format(stretches):
-    """There the first byte comes after the START."""
+    """In this format, the first byte follows the START."""
     rig = idle(FDF | TRX, stretch_after_address_ack=stretches)
     rig.start()
     assert rig.stretching == stretches
@@ -233,7 +233,7 @@ def test_open_stretch_after_address_ack_in_the_free_data_format(stretches):
 @pytest.mark.rule("I2C-124", "I2C-213", "I2C-214")
 @pytest.mark.parametrize("rule", ["text", "figure"])
 def test_open_xsmt_rule(rule):
-    """BCM = 0, at the end of the address-ACK slot; the figure has a time between write and copy, the text has not."""
+    """BCM = 0, at the end of the address ACK slot. Only the figure has a time between write and copy."""
     rig = Rig(xsmt_rule=rule).begin(bcm=0)
     rig.address(OWN, 1)
     assert rig.stretching
@@ -307,7 +307,7 @@ def test_open_nack_clears_dxr(clears):
 @pytest.mark.rule("I2C-120", "I2C-213")
 @pytest.mark.parametrize("what", ["stays_1", "0_without_stretch"])
 def test_open_xsmt_on_final_nack(what):
-    rig = served(1, xsmt_on_final_nack=what)
+    rig = read_bytes(1, xsmt_on_final_nack=what)
     assert rig.flag("XSMT") == (what == "stays_1")
     assert not rig.stretching
 
@@ -327,7 +327,7 @@ def test_open_nackint_in_slave_tx(asks):
 @pytest.mark.parametrize("clear", ["any_start_or_stop", "until_next_address"])
 @pytest.mark.parametrize("address", [OWN, OTHER])
 def test_open_sdir_clear(clear, address):
-    rig = served(1, sdir_clear=clear)
+    rig = read_bytes(1, sdir_clear=clear)
     rig.stop()
     assert rig.flag("SDIR") == (clear == "until_next_address")
     rig.start()
@@ -339,7 +339,7 @@ def test_open_sdir_clear(clear, address):
 @pytest.mark.rule("I2C-128")
 @pytest.mark.parametrize("effect", ["no_effect", "counts_bytes"])
 def test_open_cnt_in_slave_tx(effect):
-    """I2CCNT = 2, the master reads 3 bytes, twice."""
+    """I2CCNT is 2, and the master reads 3 bytes, twice."""
     rig = Rig(cnt_in_slave_tx=effect)
     rig.write("I2CCNT", 2)
     rig.begin()
@@ -423,7 +423,7 @@ def test_open_rsfull_stretch_point(point):
 @pytest.mark.rule("I2C-070")
 @pytest.mark.parametrize("upper", ["last_bits", "zeros"])
 def test_open_bc_less_than_8_upper_bits(upper):
-    """1111 then 0101 with BC = 4: above the four bits stand the four before them, or zeros."""
+    """1111 and 0101 are received with BC = 4: the upper four bits are the previous ones, or zeros."""
     rig = addressed(mode=4, bc_less_than_8_upper_bits=upper)
     rig.send(0xF, 4)
     rig.read("I2CDRR")
@@ -533,7 +533,7 @@ def test_open_aas_fdf_point(point):
 @pytest.mark.rule("I2C-174")
 @pytest.mark.parametrize("clocks", [1, 0, 4])
 def test_open_noise_filter_cycles(clocks):
-    """15 cycles a module clock: a shorter pulse is not seen, and an edge is seen that much later."""
+    """With 15 cycles per module clock, a shorter pulse has no effect, and an edge is delayed by the width."""
     width = clocks * 15
     rig = idle(noise_filter_cycles=clocks)
     rig.wait(BIT)
@@ -560,12 +560,12 @@ def test_open_isrc_read_clears_aas(clears):
     rig.address()
     assert rig.read("I2CISRC", wait=SOON) == 7
     assert rig.flag("AAS") != clears
-    assert rig.send(0x11), "the transfer goes on"
+    assert rig.send(0x11), "the transfer must continue"
 
 
 @pytest.mark.rule("I2C-285")
 def test_open_isrc_read_clears_aas_in_the_free_data_format():
-    """AAS is of the first byte: the second one does not set it anew."""
+    """Only the first byte sets AAS, so the second byte does not set it again."""
     rig = idle(FDF, isrc_read_clears_aas=True)
     rig.write("I2CIER", IE_AAS)
     rig.start()
@@ -595,7 +595,7 @@ def test_open_int_line(line):
     rig.wait(SOON)
     assert rig.chip.held == (INT1 if line == "level" else 0)
     assert rig.asked() == INT1
-    assert "int_line" in rig.chip.touched, "the line is held or not before the code is read"
+    assert "int_line" in rig.chip.touched, "the option matters before the code is read"
     rig.read("I2CISRC")
     rig.wait(SOON)
     assert rig.chip.held == 0
@@ -606,7 +606,7 @@ def test_open_int_line(line):
 def test_open_event_to_isrc_delay(delay):
     rig = addressed(event_to_isrc_delay=delay, ier=IE_SCD)
     rig.stop()
-    assert rig.flag("SCD"), "the flag itself does not wait"
+    assert rig.flag("SCD"), "the flag itself is not delayed"
     assert rig.wait_for(lambda: rig.peek("I2CISRC")) == delay
     assert rig.interrupts == [(rig.now, INT1)]
 
@@ -628,7 +628,7 @@ def test_open_int_priority(order, codes):
 @pytest.mark.rule("I2C-280", "I2C-281")
 @pytest.mark.parametrize("rule, shown", [("highest", 2), ("first_come", 4)])
 def test_open_isrc_preempt(rule, shown):
-    """Code 4 is not read; then comes a NACK, code 2."""
+    """Code 4 has not been read when a NACK, code 2, occurs."""
     rig = addressed(isrc_preempt=rule, ier=IE_RRDY | IE_NACK)
     rig.send(0x11)
     assert rig.peek("I2CISRC", wait=SOON) == 4
@@ -664,7 +664,7 @@ def test_open_irs_clears_isrc(clears):
 @pytest.mark.rule("I2C-157", "I2C-158")
 @pytest.mark.parametrize("what", ["stored", "dropped"])
 def test_open_psc_write_irs1(what):
-    """The module clock is seen through the noise filter, one module clock wide: 15 cycles with IPSC = 14, 5 with 4."""
+    """The noise filter, one module clock wide, shows the module clock: 15 cycles with IPSC = 14, 5 with IPSC = 4."""
 
     def filter_width() -> int:
         rig.wait(BIT)
@@ -687,7 +687,7 @@ def test_open_psc_write_irs1(what):
 @pytest.mark.rule("I2C-145")
 @pytest.mark.parametrize(("answer", "start"), [("in_order", 1), ("one_sample", 0)])
 def test_open_unequal_arrival(answer, start):
-    """SDA falls 7 cycles before SCL, the module clock has 15: a START, or two lines that fell together."""
+    """SDA falls 7 cycles before SCL, less than a module clock of 15: this is a START, or a simultaneous fall."""
     rig = idle(unequal_arrival=answer, noise_filter_cycles=1)
     rig.wait(BIT)
     rig.put(sda=0)
@@ -712,7 +712,7 @@ def test_open_clock_gate_access(what):
 @pytest.mark.rule("I2C-324")
 @pytest.mark.parametrize("unit", ["byte", "whole_transfer"])
 def test_open_free_slave_unit(unit):
-    """A breakpoint in the first of two data bytes; after the second, STOP. The halted slave holds SCL, then goes on."""
+    """A breakpoint is hit in the first of two data bytes before a STOP. The halted slave holds SCL, then continues."""
     rig = addressed(free_slave_unit=unit, rx_overrun_policy="overwrite")
     rig.send_bits(0x1, 4)
     rig.chip.suspend(rig.now, True)
@@ -735,7 +735,7 @@ def test_open_free_slave_unit(unit):
 @pytest.mark.rule("I2C-293", "I2C-295", "I2C-300", "I2C-303")
 @pytest.mark.parametrize("mode", ["level", "edge"])
 def test_open_fifo_int_mode(mode):
-    """Both flags are cleared while TXFFST = 0 and RXFFST = 1 still meet their levels; then the module is reset."""
+    """Both flags are cleared while TXFFST = 0 and RXFFST = 1 are still at their levels; then the module is reset."""
     rig = Rig(fifo_int_mode=mode).begin(fifos=(FFEN | FFRST, FFRST | 1))
     rig.receive(0x11)
 
@@ -778,7 +778,7 @@ def test_open_fifo_17th_byte(policy):
 @pytest.mark.rule("I2C-290")
 @pytest.mark.parametrize("flushes", [False, True])
 def test_open_txfifo_reset_flushes_xsr(flushes):
-    """The pointer byte's ACK moved 0x11 to I2CXSR; then the FIFO is reset and the master reads."""
+    """The ACK of the pointer byte copies 0x11 to I2CXSR; then the FIFO is reset, and the master reads."""
     rig = Rig(txfifo_reset_flushes_xsr=flushes).begin(fifos=(FFEN | FFRST, FFRST))
     rig.address()
     rig.write("I2CDXR", 0x11)
@@ -797,7 +797,7 @@ def test_open_txfifo_reset_flushes_xsr(flushes):
 @pytest.mark.rule("I2C-287", "I2C-292", "I2C-299")
 @pytest.mark.parametrize("stage", ["no", "dxr_drr_behind"])
 def test_open_fifo_extra_stage(stage):
-    """Bytes until full, each way."""
+    """The stage adds one byte to the capacity in each direction."""
     extra = int(stage == "dxr_drr_behind")
     rig = Rig(fifo_extra_stage=stage).begin(fifos=(FFEN | FFRST, FFRST))
     for n in range(16 + extra):
@@ -838,7 +838,7 @@ def test_open_irs_clears_fifo(clears):
 @pytest.mark.rule("I2C-101", "I2C-210", "I2C-241")
 @pytest.mark.parametrize("read", [True, False])
 def test_open_rrdy_clear_reads_drr(read):
-    """RRDY is cleared by writing 1, I2CDRR is not read; the next byte finds it free, or occupied."""
+    """RRDY is cleared by writing 1 without reading I2CDRR, which is then free or still full for the next byte."""
     rig = addressed(rrdy_clear_reads_drr=read)
     rig.send(0x11)
     rig.write("I2CSTR", RRDY)
@@ -858,8 +858,8 @@ def test_open_irs_clears_commands(cleared):
 
 
 @pytest.mark.parametrize("point", ["eager", "eager_reloaded_at_address", "eager_if_trx"])
-def test_after_irs_0_in_mid_byte_an_eager_module_copies_at_once_again(point):
-    """The byte that was being sent is gone, so I2CXSR is free: XRDY stays 1 over the next write."""
+def test_after_irs_0_within_a_byte_an_eager_module_copies_at_once_again(point):
+    """IRS = 0 discards the byte being sent, so I2CXSR is free: the next write is copied at once, and XRDY stays 1."""
     rig = addressed(read=1, first=0x11, dxr_to_xsr_copy_point=point, mode=TRX)
     for _ in range(3):
         rig.clock()
@@ -867,9 +867,9 @@ def test_after_irs_0_in_mid_byte_an_eager_module_copies_at_once_again(point):
     assert rig.chip.out == 0b11
     rig.write("I2CMDR", IRS | TRX)
     rig.write("I2CDXR", 0x22)
-    assert rig.flag("XRDY"), "0x22 is in I2CXSR already"
+    assert rig.flag("XRDY"), "0x22 must have been copied to I2CXSR"
     rig.write("I2CDXR", 0x33)
-    assert not rig.flag("XRDY"), "I2CXSR is taken"
+    assert not rig.flag("XRDY"), "I2CXSR must be full"
     rig.stop()
     rig.start()
     assert rig.send(OWN << 1 | 1)

@@ -1,4 +1,4 @@
-"""I2C registers: places, reset values, which bits software owns, the clock gate. SPRUG03B, Tables 4 to 22."""
+"""I2C registers: offsets, reset values, bits that software can write, the clock gate. SPRUG03B, Tables 4 to 22."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from ..i2c_rig import Rig, addressed
 
 RESET = dict.fromkeys(OFFSET, 0) | {"I2CSTR": 0x0410, "I2CSAR": 0x3FF, "I2CEMDR": 1}
 
-# What a write of any pattern stores, with the module in reset (IRS = 0).
+# The bits that a write changes while the module is in reset (IRS = 0).
 STORED = {
     "I2COAR": 0x03FF,
     "I2CIER": 0x007F,
@@ -53,14 +53,14 @@ STORED = {
 
 
 def fresh() -> Rig:
-    """A clocked chip just out of XRS."""
+    """Return a rig after a system reset, with the clock enabled."""
     rig = Rig()
     rig.reset()
     return rig
 
 
 @pytest.mark.rule("I2C-001", "I2C-002")
-def test_every_register_sits_at_its_offset():
+def test_every_register_is_at_its_offset():
     assert {r.name: r.offset for r in I2C_MAP} == OFFSET
 
 
@@ -96,7 +96,7 @@ def test_reset_value(name):
 )
 @pytest.mark.parametrize("name", STORED)
 @pytest.mark.parametrize("pattern", [0xFFFF, 0x0000, 0xAAAA, 0x5555])
-def test_a_write_changes_the_bits_that_software_owns_and_no_other(name, pattern):
+def test_a_write_changes_only_the_writable_bits(name, pattern):
     rig = fresh()
     rig.write(name, 0)
     rig.write(name, pattern)
@@ -106,7 +106,7 @@ def test_a_write_changes_the_bits_that_software_owns_and_no_other(name, pattern)
 @pytest.mark.rule("I2C-026", "I2C-027")
 @pytest.mark.parametrize("name", ["I2CFFTX", "I2CFFRX"])
 def test_fifo_counts_and_flags_are_read_only(name):
-    """TXFFST and TXFFINT (12:7) show the FIFO, whatever is written over them."""
+    """Bits 12:7, the count and the flag, do not change when they are written."""
     rig = fresh()
     before = rig.read(name) & 0x1F80
     rig.write(name, 0x1F80)
@@ -115,7 +115,7 @@ def test_fifo_counts_and_flags_are_read_only(name):
 
 @settings(max_examples=30, deadline=None)
 @given(name=st.sampled_from(sorted(STORED)), first=st.integers(0, 0xFFFF), second=st.integers(0, 0xFFFF))
-def test_what_is_read_back_depends_on_the_last_write_alone(name, first, second):
+def test_the_value_read_back_depends_only_on_the_last_write(name, first, second):
     twice, once = fresh(), fresh()
     twice.write(name, first)
     twice.write(name, second)
@@ -173,7 +173,7 @@ def test_start_and_stop_bits_cannot_be_written_in_reset(bits):
         pytest.param("I2CEMDR", 1, 0x0002, marks=pytest.mark.rule("I2C-024")),
     ],
 )
-def test_ones_in_the_upper_bits_break_a_duty(name, good, bad):
+def test_ones_in_the_upper_bits_are_noted(name, good, bad):
     rig = fresh()
     rig.write(name, good)
     assert rig.duties() == []
@@ -183,8 +183,8 @@ def test_ones_in_the_upper_bits_break_a_duty(name, good, bad):
 
 @pytest.mark.rule("I2C-081")
 @pytest.mark.parametrize(("sar", "xa", "broken"), [(0x2A, 0, 0), (0x3AA, 0, 1), (0x3FF, 0, 1), (0x3AA, XA, 0)])
-def test_a_7_bit_master_must_write_the_upper_bits_of_sar_0(sar, xa, broken):
-    """Reset leaves them 1. The address sent is 6 to 0 all the same. The duty holds at the START, once for each."""
+def test_ones_in_the_upper_bits_of_sar_are_noted_at_a_7_bit_start(sar, xa, broken):
+    """A reset sets the bits to 1. They are checked at each START; the sent address is bits 6 to 0 in any case."""
     rig = Rig().begin()
     rig.write("I2CCNT", 1)
     rig.write("I2CSAR", sar)
@@ -195,8 +195,8 @@ def test_a_7_bit_master_must_write_the_upper_bits_of_sar_0(sar, xa, broken):
 
 
 @pytest.mark.rule("I2C-003")
-def test_no_address_shows_the_receive_shift_register():
-    """0x5A waits in I2CRSR because 0xA5 was not fetched from I2CDRR."""
+def test_the_receive_shift_register_cannot_be_read():
+    """0x5A is in I2CRSR because 0xA5 was not read from I2CDRR."""
     rig = addressed(sent=[0xA5])
     rig.send_bits(0x5A)
     seen = {offset: rig.chip.read(rig.now, offset) & 0xFF for offset in range(0x40) if offset != OFFSET["I2CDRR"]}
@@ -204,8 +204,8 @@ def test_no_address_shows_the_receive_shift_register():
 
 
 @pytest.mark.rule("I2C-003")
-def test_no_address_shows_or_changes_the_transmit_shift_register():
-    """0x3C has moved on to I2CXSR, 0x77 waits in I2CDXR; writes between the registers change neither."""
+def test_the_transmit_shift_register_cannot_be_accessed():
+    """0x3C is in I2CXSR, and 0x77 in I2CDXR; writes to offsets without a register change neither."""
     rig = addressed(read=1)
     rig.supply(0x3C, 0x77)
     for offset in set(range(0x40)) - set(OFFSET.values()):
@@ -218,8 +218,8 @@ def test_no_address_shows_or_changes_the_transmit_shift_register():
 
 @pytest.mark.rule("I2C-028")
 @pytest.mark.parametrize("value", [0x00, 0x55, 0xFF])
-def test_the_drivers_pull_low_or_release(value):
-    """The partner pulls SDA in every data bit: the line is low throughout, whatever the chip sends."""
+def test_the_drivers_are_open_drain(value):
+    """The master pulls SDA in every data bit, so the line is low for any bits that the chip sends."""
     rig = addressed(read=1)
     rig.write("I2CDXR", value)
     sent = 0
@@ -240,7 +240,7 @@ def test_an_idle_module_releases_both_lines():
 
 
 @pytest.mark.rule("I2C-008")
-def test_without_its_clock_the_module_answers_nobody():
+def test_without_its_clock_the_module_acknowledges_no_address():
     rig = Rig().begin()
     rig.chip.gate(rig.now, False)
     assert not rig.address()
@@ -260,7 +260,7 @@ def test_the_clock_is_off_after_device_reset():
 
 
 @pytest.mark.rule("I2C-008", "I2C-009")
-def test_with_its_clock_back_the_module_goes_on():
+def test_the_module_continues_when_its_clock_is_enabled_again():
     rig = Rig().begin()
     rig.chip.gate(rig.now, False)
     rig.wait(10_000)
@@ -270,7 +270,7 @@ def test_with_its_clock_back_the_module_goes_on():
 
 
 @pytest.mark.rule("I2C-335", "I2C-336")
-def test_xrs_brings_every_register_back_and_holds_the_module_in_reset():
+def test_a_system_reset_sets_the_reset_values_and_holds_the_module_in_reset():
     rig = addressed()
     rig.set_fifos(FFEN | FFRST | 3, FFRST | 5)
     for name in ("I2CIER", "I2CCLKL", "I2CCLKH", "I2CCNT", "I2CSAR", "I2CPSC"):

@@ -1,4 +1,4 @@
-"""IRS, XRS and the bus-busy bit around them. SPRUG03B section 4, Table 5 IRS, text after Table 10."""
+"""IRS, the system reset XRS, and the bit BB around them. SPRUG03B section 4, Table 5 (IRS), text after Table 10."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ..i2c_registers import (
 )
 from ..i2c_rig import BIT, OTHER, OWN, Rig, addressed
 
-SOON = 20  # cycles in which a request must have come
+SOON = 20  # cycles within which a request must occur
 
 CONFIGURATION = {
     "I2COAR": 0x155,
@@ -39,7 +39,7 @@ CONFIGURATION = {
 
 
 def acknowledging() -> Rig:
-    """SDA is pulled by the chip, SCL is low."""
+    """Return a rig whose chip pulls SDA while SCL is low."""
     rig = addressed()
     rig.send_bits(0x11)
     assert rig.pulling_sda
@@ -47,7 +47,7 @@ def acknowledging() -> Rig:
 
 
 def sending_zeros() -> Rig:
-    """Mid-byte of a transmission; SDA is pulled by the chip."""
+    """Return a rig whose chip is in the middle of a byte as transmitter and pulls SDA."""
     rig = addressed(read=1)
     rig.write("I2CDXR", 0x00)
     rig.take_bits(3)
@@ -56,14 +56,14 @@ def sending_zeros() -> Rig:
 
 
 def starved() -> Rig:
-    """SCL is held by the chip, which wants I2CDXR."""
+    """Return a rig whose chip holds SCL until I2CDXR is written."""
     rig = addressed(read=1)
     assert rig.stretching
     return rig
 
 
 def overrun() -> Rig:
-    """SCL is held by the chip, which wants I2CDRR to be read."""
+    """Return a rig whose chip holds SCL until I2CDRR is read."""
     rig = addressed(sent=[1, 2])
     assert rig.stretching
     return rig
@@ -79,7 +79,7 @@ def test_irs_0_releases_the_pins_at_once(make):
 
 @pytest.mark.rule("I2C-330")
 @pytest.mark.parametrize("make", [acknowledging, sending_zeros, starved, overrun])
-def test_what_was_going_on_does_not_come_back_with_irs_1(make):
+def test_an_interrupted_transfer_does_not_continue_with_irs_1(make):
     rig = make()
     rig.begin_again()
     rig.wait(10 * BIT)
@@ -93,7 +93,7 @@ def test_what_was_going_on_does_not_come_back_with_irs_1(make):
 
 @pytest.mark.rule("I2C-329")
 @pytest.mark.parametrize("make", [acknowledging, sending_zeros, starved, overrun])
-def test_irs_0_gives_every_flag_its_default(make):
+def test_irs_0_sets_every_flag_to_its_default(make):
     rig = make()
     rig.write("I2CMDR", 0)
     assert rig.status() & ~BB == STR_RESET
@@ -103,7 +103,7 @@ def test_irs_0_gives_every_flag_its_default(make):
 
 @pytest.mark.rule("I2C-331")
 @pytest.mark.parametrize("noise_filter", [0, 1])
-def test_in_reset_no_address_is_answered(noise_filter):
+def test_in_reset_no_address_is_acknowledged(noise_filter):
     rig = Rig(noise_filter_cycles=noise_filter)
     rig.write("I2COAR", OWN)
     assert not rig.address()
@@ -116,7 +116,7 @@ def test_in_reset_no_address_is_answered(noise_filter):
 
 
 @pytest.mark.rule("I2C-331")
-def test_a_slave_enabled_in_mid_byte_waits_for_the_next_start():
+def test_a_slave_enabled_within_a_byte_waits_for_the_next_start():
     rig = Rig()
     rig.write("I2COAR", OWN)
     rig.start()
@@ -130,7 +130,7 @@ def test_a_slave_enabled_in_mid_byte_waits_for_the_next_start():
 
 
 @pytest.mark.rule("I2C-332")
-def test_in_reset_no_start_and_no_stop_is_seen():
+def test_in_reset_start_and_stop_are_not_detected():
     rig = Rig()
     rig.address(0)
     assert rig.status(BB | AD0) == 0
@@ -179,8 +179,8 @@ def test_xrs_releases_the_bus_and_leaves_the_module_in_reset(make):
 
 
 @pytest.mark.rule("I2C-324", "I2C-335")
-def test_xrs_forgets_what_a_breakpoint_holds():
-    """The next breakpoint meets a slave that waits for I2CDXR, and leaves it so."""
+def test_a_system_reset_ends_the_hold_of_scl_by_a_breakpoint():
+    """The next breakpoint does not affect a slave that holds SCL until I2CDXR is written."""
     rig = Rig().begin()
     rig.chip.suspend(rig.now, True)
     rig.start()
@@ -197,7 +197,7 @@ def test_xrs_forgets_what_a_breakpoint_holds():
 
 @pytest.mark.rule("I2C-337")
 @pytest.mark.parametrize("name, value", [("I2CCLKL", 11), ("I2CCLKH", 6), ("I2CPSC", 13)])
-def test_configuration_with_irs_1_breaks_a_duty(name, value):
+def test_configuration_with_irs_1_is_noted(name, value):
     rig = Rig()
     rig.write(name, value)
     rig.begin()
@@ -211,7 +211,7 @@ def test_configuration_with_irs_1_breaks_a_duty(name, value):
 
 @pytest.mark.rule("I2C-338", "I2C-339")
 @pytest.mark.parametrize("address", [OWN, OTHER])
-def test_bb_stays_1_through_reset_until_the_stop(address):
+def test_bb_stays_1_during_a_reset_until_the_stop(address):
     rig = Rig().begin()
     rig.address(address)
     rig.write("I2CMDR", 0)
@@ -227,7 +227,7 @@ def test_bb_stays_1_through_reset_until_the_stop(address):
 
 
 @pytest.mark.rule("I2C-332", "I2C-338", "I2C-339")
-def test_bb_stays_1_if_the_stop_passes_in_reset_and_falls_with_the_next():
+def test_bb_stays_1_after_a_stop_during_a_reset_until_the_next_stop():
     rig = addressed()
     rig.write("I2CMDR", 0)
     rig.stop()
@@ -240,7 +240,7 @@ def test_bb_stays_1_if_the_stop_passes_in_reset_and_falls_with_the_next():
 
 
 @pytest.mark.rule("I2C-338", "I2C-339")
-def test_bb_stays_0_if_the_start_passed_in_reset():
+def test_bb_stays_0_after_a_start_during_a_reset():
     rig = Rig()
     rig.address(OTHER)
     rig.write("I2CMDR", IRS)
@@ -287,8 +287,8 @@ def test_a_start_too_soon_after_irs_is_noted_while_another_transfer_is_on_the_bu
 
 @pytest.mark.rule("I2C-342")
 @pytest.mark.parametrize("waited", [False, True])
-def test_a_start_too_soon_after_a_later_irs_is_noted_where_bb_stayed_1(waited):
-    """The STOP came while IRS was 0; the START and STOP of a further transfer put BB right."""
+def test_a_start_too_soon_after_a_later_irs_is_noted_if_bb_stayed_1(waited):
+    """BB is wrong because the STOP was sent while IRS was 0; START and STOP of another transfer correct it."""
     rig = Rig().begin()
     rig.address(OTHER)
     rig.write("I2CMDR", 0)
@@ -305,8 +305,8 @@ def test_a_start_too_soon_after_a_later_irs_is_noted_where_bb_stayed_1(waited):
 
 @pytest.mark.rule("I2C-341", "I2C-342")
 @pytest.mark.parametrize("after_later_reset", [False, True])
-def test_after_a_wait_as_long_as_the_longest_transfer_bb_is_right(after_later_reset):
-    """IRS rose in mid-transfer: BB is wrongly 0, or 1, until that transfer is over."""
+def test_bb_is_correct_after_a_wait_as_long_as_the_longest_transfer(after_later_reset):
+    """IRS rises during a transfer: BB is wrong, 0 or 1, until the end of that transfer."""
     rig = Rig()
     if after_later_reset:
         rig.begin()
@@ -323,8 +323,8 @@ def test_after_a_wait_as_long_as_the_longest_transfer_bb_is_right(after_later_re
 
 
 @pytest.mark.rule("I2C-329", "I2C-334")
-def test_a_module_reset_between_transfers_serves_each():
-    """As firmware does that emulates several sensors with one own-address register."""
+def test_a_module_that_is_reset_between_transfers_answers_each_address():
+    """Firmware that emulates several sensors changes the only own address in this way."""
     rig = Rig()
     for address in (0x68, 0x53, 0x1E, 0x68):
         rig.write("I2CMDR", 0)
@@ -340,8 +340,8 @@ def test_a_module_reset_between_transfers_serves_each():
 
 
 @pytest.mark.rule("I2C-329", "I2C-273")
-def test_irs_1_asks_anew_for_what_is_1_then():
-    """XRDY, the only flag that a reset leaves at 1: code and request two cycles after each rise of IRS."""
+def test_each_rise_of_irs_requests_again_for_xrdy():
+    """XRDY is the only flag that is 1 after a reset: it has its code and request two cycles after each rise of IRS."""
     rig = Rig().begin(ier=IE_XRDY)
     for _ in range(3):
         begun = rig.now
@@ -357,7 +357,7 @@ def test_irs_1_asks_anew_for_what_is_1_then():
 
 @pytest.mark.rule("I2C-329")
 @pytest.mark.parametrize("point", ["any_ack_fall9", "eager"])
-def test_irs_0_in_a_transfer_as_master_leaves_a_slave_that_answers(point):
+def test_after_irs_0_in_a_transfer_as_master_the_module_works_as_a_slave(point):
     rig = Rig(dxr_to_xsr_copy_point=point).begin()
     rig.write_other(2)
     rig.wait_for(lambda: rig.stretching)
@@ -367,7 +367,7 @@ def test_irs_0_in_a_transfer_as_master_leaves_a_slave_that_answers(point):
     rig.wait(BIT)
     rig.write("I2CDXR", 0x66)
     rig.write("I2CMDR", IRS)
-    assert rig.flag("XRDY") == (point == "eager"), "moved on to I2CXSR"
+    assert rig.flag("XRDY") == (point == "eager"), "the byte was copied to I2CXSR"
     assert rig.address(OWN) and rig.send(0x35)
     assert rig.read("I2CDRR") == 0x35
     rig.stop()

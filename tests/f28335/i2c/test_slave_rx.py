@@ -12,7 +12,7 @@ from ..i2c_rig import BIT, OWN, Rig, addressed
 
 @pytest.mark.rule("I2C-094", "I2C-097", "I2C-095", "I2C-096", "I2C-205", "I2C-207", "I2C-216", "I2C-220", "I2C-239")
 def test_one_byte_written_by_the_master():
-    """START, 0x48 W, 0x5A, STOP; half a bit a column. scl and sda are what the chip releases."""
+    """START, 0x48 W, 0x5A, STOP, with columns of half a bit. scl and sda are the outputs of the chip."""
     rig = Rig().begin()
     rig.check(
         """
@@ -35,7 +35,7 @@ def test_one_byte_written_by_the_master():
 @pytest.mark.rule("I2C-074", "I2C-095", "I2C-096", "I2C-076", "I2C-098", "I2C-066")
 @settings(max_examples=20, deadline=None)
 @given(data=st.lists(st.integers(0, 255), min_size=1, max_size=24), bit=st.sampled_from([60, 375, 1500]))
-def test_every_byte_arrives_and_is_acknowledged(data, bit):
+def test_every_byte_is_received_and_acknowledged(data, bit):
     rig = Rig(bit=bit).begin()
     rig.address()
     got = []
@@ -90,7 +90,7 @@ def test_a_second_unread_byte_holds_scl_until_drr_is_read():
 
 
 @pytest.mark.rule("I2C-101", "I2C-210")
-def test_rsfull_comes_with_the_second_unread_byte_and_not_before():
+def test_rsfull_is_set_by_the_second_unread_byte():
     rig = addressed(sent=[0x11])
     assert rig.status(RSFULL | RRDY) == RRDY
     rig.send_bits(0x22 >> 1, 7)
@@ -112,7 +112,7 @@ def test_overwrite_the_newest_byte_stays_in_rsr_and_the_oldest_in_drr():
 
 
 @pytest.mark.rule("I2C-188", "I2C-201")
-def test_nack_an_overrun_is_refused():
+def test_nack_an_overrun_is_not_acknowledged():
     rig = addressed(rx_overrun_policy="nack")
     assert rig.send(0x11)
     assert rig.flag("NACKSNT") == 0
@@ -122,8 +122,8 @@ def test_nack_an_overrun_is_refused():
 
 
 @pytest.mark.rule("I2C-100")
-def test_a_late_handler_leaves_what_a_sibling_chip_was_seen_with():
-    """0x1E18 = BB, RSFULL, XSMT, AAS, XRDY, RRDY (E2E, DM355 slave, same module)."""
+def test_i2cstr_after_an_overrun_has_the_value_seen_on_a_related_device():
+    """0x1E18 = BB, RSFULL, XSMT, AAS, XRDY, RRDY was reported in TI's E2E forum for the same module of a DM355."""
     rig = addressed(sent=[1, 2])
     assert rig.read("I2CSTR") == 0x1E18
 
@@ -132,7 +132,7 @@ def test_a_late_handler_leaves_what_a_sibling_chip_was_seen_with():
 
 
 @pytest.mark.rule("I2C-182", "I2C-184", "I2C-201")
-def test_nackmod_refuses_the_next_byte_and_then_falls():
+def test_nackmod_sends_a_nack_for_the_next_byte_and_is_then_cleared():
     rig = addressed()
     assert rig.send(0x11)
     rig.read("I2CDRR")
@@ -159,7 +159,7 @@ def test_without_nackmod_every_byte_is_acknowledged():
 @pytest.mark.parametrize("bc", [0, 1, 3, 7])
 @pytest.mark.parametrize("late", [-1, 0, 1])
 def test_nackmod_must_be_set_before_the_last_data_bit_rises(bc, late):
-    """late: cycles from that rise to the write. At 0 the hardware has seen the rise already; pins come first."""
+    """late: cycles from that rise to the write. In the same cycle (0), the rise takes effect before the write."""
     rig = addressed(mode=bc)
     bits = bc or 8
     rig.send_bits(0, bits - 1)
@@ -184,7 +184,7 @@ def test_nackmod_must_be_set_before_the_last_data_bit_rises(bc, late):
 
 
 @pytest.mark.rule("I2C-187")
-def test_nackmod_means_nothing_to_a_transmitter():
+def test_nackmod_has_no_effect_on_a_transmitter():
     plain, nackmod = addressed(read=1), addressed(read=1)
     nackmod.write("I2CMDR", IRS | NACKMOD)
     for rig in (plain, nackmod):
@@ -195,7 +195,7 @@ def test_nackmod_means_nothing_to_a_transmitter():
 
 
 @pytest.mark.rule("I2C-189")
-def test_irs_0_takes_the_acknowledge_away():
+def test_irs_0_ends_the_acknowledge():
     rig = addressed()
     rig.send_bits(0x11)
     assert rig.pulling_sda
@@ -205,7 +205,7 @@ def test_irs_0_takes_the_acknowledge_away():
 
 
 @pytest.mark.rule("I2C-189")
-def test_irs_0_in_mid_byte_leaves_the_byte_unacknowledged():
+def test_a_byte_is_not_acknowledged_after_irs_0_within_it():
     rig = addressed()
     rig.send_bits(0x1, 4)
     rig.write("I2CMDR", 0)
@@ -219,7 +219,7 @@ def test_irs_0_in_mid_byte_leaves_the_byte_unacknowledged():
 @pytest.mark.rule("I2C-067", "I2C-068", "I2C-070")
 @pytest.mark.parametrize("bc", range(1, 8))
 def test_short_data_bytes_are_right_justified(bc):
-    """The address still has eight bits; after the bits of a byte comes its acknowledge."""
+    """The address still has eight bits; the acknowledge follows the last bit of a byte."""
     rig = addressed(mode=bc)
     mask = (1 << bc) - 1
     for value in (0x00 & mask, 0x7F & mask, 0x55 & mask):
@@ -257,7 +257,7 @@ def test_bc_0_means_eight_bits():
 
 
 @pytest.mark.rule("I2C-069")
-def test_bc_written_in_mid_byte_acts_on_the_next_byte():
+def test_bc_written_within_a_byte_applies_to_the_next_byte():
     rig = addressed(mode=0)
     rig.send_bits(0xA, 4)
     rig.write("I2CMDR", IRS | 4)
@@ -269,8 +269,8 @@ def test_bc_written_in_mid_byte_acts_on_the_next_byte():
 
 
 @pytest.mark.rule("I2C-073")
-def test_ends_that_disagree_about_the_bits_of_a_byte_lose_step():
-    """The duty is the system's: the chip takes the master's fifth bit for the acknowledge slot."""
+def test_different_lengths_of_bytes_break_the_transfer():
+    """The chip uses the fifth bit of the master as acknowledge bit; the firmware must set equal lengths."""
     rig = addressed(mode=4)
     rig.send_bits(0xA, 4)
     assert rig.pulling_sda
@@ -279,11 +279,11 @@ def test_ends_that_disagree_about_the_bits_of_a_byte_lose_step():
     assert same.read("I2CDRR") & 0xF == 0xA
 
 
-# Honesty of next_wake
+# Wake-ups
 
 
 class Stepped(Rig):
-    """Waits cycle by cycle; outputs and registers may change only at an input or at a wake that was due."""
+    """Waits cycle by cycle and checks that outputs and registers change only at inputs and due wake-ups."""
 
     def seen(self) -> tuple[int, ...]:
         registers = ("I2CSTR", "I2CISRC", "I2CDRR", "I2CMDR", "I2CDXR", "I2CFFTX", "I2CFFRX")
@@ -293,12 +293,12 @@ class Stepped(Rig):
         for time in range(self.now + 1, self.now + cycles + 1):
             before, due = self.seen(), self.chip.next_wake
             self.run_until(time)
-            assert due <= time or self.seen() == before, f"changed by itself at {time}"
+            assert due <= time or self.seen() == before, f"change at {time} without an input or a due wake-up"
 
 
 @pytest.mark.parametrize("noise", [0, 1])
 @pytest.mark.parametrize("fifo", [False, True])
-def test_nothing_moves_between_inputs_and_due_wakes(noise, fifo):
+def test_nothing_changes_between_inputs_and_due_wake_ups(noise, fifo):
     rig = Stepped(bit=128, noise_filter_cycles=noise)
     rig.write("I2CIER", 0x7F)
     if fifo:

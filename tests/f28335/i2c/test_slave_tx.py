@@ -1,7 +1,7 @@
-"""I2C slave-transmitter: when I2CDXR is asked for, when it moves to I2CXSR, what an empty one does. SPRUG03B Figure 17.
+"""I2C slave-transmitter: requests for I2CDXR, its copy to I2CXSR, and underflow. SPRUG03B Figure 17.
 
-The rules of the figure's two halves, BCM = 1 and BCM = 0, are drawn again below, a quarter
-of a bit a column; the rest of the area follows in words.
+The two halves of the figure, BCM = 1 and BCM = 0, are the diagrams of the first two tests, with
+columns of a quarter of a bit.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from ..i2c_registers import IE_XRDY, INT1, IRS, RRDY, SDIR, TRX, XRDY, XSMT
 from ..i2c_rig import BIT, OTHER, OWN, Rig, addressed
 
-SOON = 20  # cycles in which a request must have come
+SOON = 20  # cycles within which a request must occur
 
 
 def reading(bcm: int = 1, **options) -> Rig:
-    """XRDY interrupt on; the master has sent START and the seven bits of the own address, and stands at fall 7."""
+    """Return a rig at fall 7 of the address: the master has sent seven bits of the own address. IE_XRDY is 1."""
     rig = Rig(**options)
     rig.write("I2CEMDR", bcm)
     rig.write("I2CIER", IE_XRDY)
@@ -30,8 +30,8 @@ def reading(bcm: int = 1, **options) -> Rig:
 @pytest.mark.rule(
     "I2C-106", "I2C-112", "I2C-113", "I2C-114", "I2C-115", "I2C-116", "I2C-117", "I2C-118", "I2C-121", "I2C-195"
 )
-def test_bcm_1_asks_a_byte_ahead():
-    """R bit, its ACK slot, the byte 0x05, its ACK slot, a bit of 0x0A. The CPU writes I2CDXR, then reads I2CISRC."""
+def test_bcm_1_requests_a_byte_ahead():
+    """Columns: R bit, ACK slot, byte 0x05, ACK slot, a bit of 0x0A. The CPU writes I2CDXR and then reads I2CISRC."""
     rig = reading(xrdyint_when_idle="only_addressed")
     rig.check(
         """
@@ -54,8 +54,8 @@ def test_bcm_1_asks_a_byte_ahead():
 
 
 @pytest.mark.rule("I2C-122", "I2C-123", "I2C-124", "I2C-125", "I2C-126")
-def test_bcm_0_asks_when_the_byte_is_wanted_and_holds_scl_until_then():
-    """R bit, its ACK slot, the wait, the byte 0x09, ACK, the wait, the byte 0x0C, NACK."""
+def test_bcm_0_requests_when_the_byte_is_needed_and_holds_scl_until_it_is_written():
+    """Columns: R bit, ACK slot, wait, byte 0x09, ACK, wait, byte 0x0C, NACK."""
     rig = reading(bcm=0)
     rig.check(
         """
@@ -73,7 +73,7 @@ def test_bcm_0_asks_when_the_byte_is_wanted_and_holds_scl_until_then():
 
 
 @pytest.mark.rule("I2C-122", "I2C-123", "I2C-125", "I2C-126")
-def test_bcm_0_requests_equal_bytes_sent():
+def test_bcm_0_has_as_many_requests_as_sent_bytes():
     rig = reading(bcm=0, xrdyint_when_idle="only_addressed")
     requests = 0
     rig.clock(1)
@@ -92,7 +92,7 @@ def test_bcm_0_requests_equal_bytes_sent():
 
 
 @pytest.mark.rule("I2C-124", "I2C-125")
-def test_bcm_0_a_byte_written_ahead_waits_for_its_turn():
+def test_bcm_0_a_byte_written_ahead_is_sent_after_the_current_one():
     rig = reading(bcm=0)
     rig.clock(1)
     rig.acked()
@@ -108,8 +108,8 @@ def test_bcm_0_a_byte_written_ahead_waits_for_its_turn():
 
 @pytest.mark.rule("I2C-112")
 @pytest.mark.parametrize("repeated", [False, True])
-def test_a_transfer_that_was_broken_off_asks_for_no_more_data(repeated):
-    """START or STOP in mid-byte, while the chip leaves SDA released."""
+def test_after_an_aborted_transfer_no_data_are_requested(repeated):
+    """A START or STOP occurs within a byte, in a bit in which the chip releases SDA."""
     rig = reading(xrdyint_when_idle="only_addressed")
     rig.clock(1)
     rig.write("I2CDXR", 0xFF)
@@ -128,7 +128,7 @@ def test_a_transfer_that_was_broken_off_asks_for_no_more_data(repeated):
 
 
 @pytest.mark.rule("I2C-119", "I2C-120", "I2C-121")
-def test_bcm_1_requests_exceed_bytes_by_one_and_the_surplus_byte_stays():
+def test_bcm_1_has_one_more_request_than_sent_bytes_and_the_last_byte_stays():
     rig = reading(xrdyint_when_idle="only_addressed")
     rig.clock(1)
     surplus = iter((0x11, 0x22, 0x33, 0x44, 0x55))
@@ -158,7 +158,7 @@ def test_bcm_1_requests_exceed_bytes_by_one_and_the_surplus_byte_stays():
 
 
 @pytest.mark.rule("I2C-120")
-def test_bcm_1_the_final_nack_moves_nothing():
+def test_bcm_1_the_final_nack_copies_no_byte():
     rig = addressed(read=1)
     rig.supply(0x11, 0x22)
     rig.take_bits(8)
@@ -201,7 +201,7 @@ def test_from_receiver_to_transmitter_and_back():
 @settings(max_examples=20, deadline=None)
 @given(data=st.lists(st.integers(0, 255), min_size=1, max_size=20), bit=st.sampled_from([120, 375, 1500]))
 @pytest.mark.parametrize("bcm", [0, 1])
-def test_every_byte_goes_out(bcm, data, bit):
+def test_every_byte_is_sent(bcm, data, bit):
     rig = Rig(bit=bit).begin(bcm=bcm)
     assert rig.address(OWN, 1)
     got = []
@@ -236,7 +236,7 @@ def test_short_bytes_are_the_low_bits_of_dxr(bc):
 
 
 @pytest.mark.rule("I2C-072")
-def test_bc_written_after_dxr_breaks_a_duty():
+def test_bc_written_after_dxr_is_noted():
     rig = addressed()
     rig.write("I2CMDR", IRS | 4)
     rig.write("I2CDXR", 0x05)
@@ -334,13 +334,13 @@ def test_the_request_ends_when_xrdy_falls(bcm):
         assert rig.chip.held == 0
 
 
-# The seed's two observations on silicon (open-questions.md, section 0)
+# Two observations on silicon (open-questions.md, section 0)
 
 
 def pointer_then_read(wait_for_sdir: bool, *, stop_between: bool, **options) -> list[int]:
-    """What a controller gets that writes a pointer and reads 3 bytes, from firmware that answers 1, 2, 3 ...
+    """Return the bytes that a controller reads after writing a pointer, from firmware that sends 1, 2, 3 ...
 
-    The firmware polls: it writes I2CDXR whenever XRDY is 1, from the pointer byte's RRDY on, or only from SDIR on.
+    The firmware polls and writes I2CDXR whenever XRDY is 1, from RRDY of the pointer byte on, or only from SDIR on.
     """
     rig = Rig(**options).begin(TRX)
     answers = iter(range(1, 20))
@@ -376,7 +376,7 @@ def pointer_then_read(wait_for_sdir: bool, *, stop_between: bool, **options) -> 
 
 
 @pytest.mark.parametrize("stop_between", [False, True])
-def test_the_wait_for_sdir_makes_every_byte_right_and_its_absence_shifts_them(stop_between):
+def test_bytes_are_correct_with_the_wait_for_sdir_and_shifted_without_it(stop_between):
     assert pointer_then_read(True, stop_between=stop_between) == [1, 2, 3]
     assert pointer_then_read(False, stop_between=stop_between) == [2, 3, 4]
     assert pointer_then_read(False, stop_between=stop_between, dxr_to_xsr_copy_point="ack_fall9") == [1, 2, 3]

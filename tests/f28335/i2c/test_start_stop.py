@@ -15,7 +15,7 @@ from ..i2c_rig import Rig
 rule = pytest.mark.rule
 
 
-# ---- what starts a transfer ------------------------------------------------------------------------
+# ---- start of a transfer ---------------------------------------------------------------------------
 
 
 @rule("I2C-033", "I2C-034")
@@ -30,7 +30,7 @@ def test_a_write_with_irs_0_cannot_set_the_bit(name: str):
 
 @rule("I2C-035", "I2C-036")
 @pytest.mark.parametrize("names", ["STT", "STP", "STT STP TRX"])
-def test_without_mst_stt_and_stp_do_nothing_on_the_bus(names: str):
+def test_without_mst_stt_and_stp_have_no_effect_on_the_bus(names: str):
     b = Bench(Target())
     b.mode(names, count=1, data=0x12)
     assert b.quiet()
@@ -38,7 +38,7 @@ def test_without_mst_stt_and_stp_do_nothing_on_the_bus(names: str):
 
 
 @rule("I2C-036")
-def test_stp_of_an_addressed_slave_does_nothing_on_the_bus():
+def test_stp_of_an_addressed_slave_has_no_effect_on_the_bus():
     b = Bench(Foreign("S 50W 12 34 P"), own=0x50)
     b.until(lambda: b.flag("AAS"))
     b.set("STP")
@@ -62,7 +62,7 @@ def test_mst_and_stt_make_a_start_and_stt_clears_itself():
 
 
 @rule("I2C-038", "I2C-147", "I2C-206", "I2C-075", "I2C-133")
-def test_one_byte_with_stop_as_it_looks_on_the_wires():
+def test_the_waveform_of_one_byte_with_stop():
     b = Bench(Target(0x50))
     b.mode("MST TRX STT STP", count=1, data=0x3A)
     start = b.edge(SCL, 0)
@@ -84,7 +84,7 @@ def test_one_byte_with_stop_as_it_looks_on_the_wires():
 @rule("I2C-147")
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.integers(0, 255), min_size=1, max_size=3))
-def test_sda_moves_only_while_scl_is_low_except_for_start_and_stop(data: list[int]):
+def test_sda_changes_only_while_scl_is_low_except_for_start_and_stop(data: list[int]):
     b = Bench(Target())
     b.write_all(data)
     scl, moved = 1, 0
@@ -94,7 +94,7 @@ def test_sda_moves_only_while_scl_is_low_except_for_start_and_stop(data: list[in
     assert moved == 2
 
 
-# ---- what ends it -----------------------------------------------------------------------------------
+# ---- end of a transfer ------------------------------------------------------------------------------
 
 
 @rule("I2C-039", "I2C-040", "I2C-044", "I2C-146", "I2C-149", "I2C-208", "I2C-230", "I2C-048")
@@ -114,7 +114,7 @@ def test_with_stp_a_stop_follows_the_last_counted_byte(count: int):
 
 
 @rule("I2C-047", "I2C-136", "I2C-149", "I2C-243")
-def test_without_stp_the_bus_is_kept_after_the_last_byte_and_ardy_asks_for_a_command():
+def test_without_stp_the_bus_is_kept_after_the_last_byte_and_ardy_is_set():
     b = Bench(Target())
     b.send([1, 2], extra="")
     assert not b.flag("ARDY")
@@ -164,8 +164,8 @@ def test_a_kept_bus_stays_kept_without_a_command(rm: str):
 
 @rule("I2C-041")
 @pytest.mark.parametrize("count", [1, 3])
-def test_stp_set_with_the_address_on_the_bus_waits_for_the_bytes(count: int):
-    """RM = 0: no STOP before a byte has been transferred; the counter says when."""
+def test_stp_set_during_the_address_takes_effect_after_the_bytes(count: int):
+    """With RM = 0, the STOP follows the last byte of the count."""
     b = Bench(Target())
     b.mode("MST TRX STT", count=count)
     b.edge(SCL, 0, 4)
@@ -218,7 +218,7 @@ def test_stt_ends_a_repeat_mode_transfer_with_a_repeated_start():
 
 
 @rule("I2C-152", "I2C-340")
-def test_bb_stays_1_through_a_repeated_start():
+def test_bb_stays_1_during_a_repeated_start():
     b = Bench(Target())
     b.send([1], extra="", until="ARDY")
     b.send([2], extra="STP")
@@ -231,7 +231,7 @@ def test_bb_stays_1_through_a_repeated_start():
 @rule("I2C-153", "I2C-086", "I2C-152")
 @pytest.mark.parametrize("how", ["header_r_only", "full_address_first"])
 def test_repeated_start_with_ten_bit_addresses_changes_the_direction(how: str):
-    """Once the whole address was sent the header alone does, whatever `ten_bit_read` says about a read from idle."""
+    """After the complete address, its first byte alone selects the slave; `ten_bit_read` concerns reads from idle."""
     b = Bench(Target(0x234, [0x99]), options=with_(ten_bit_read=how))
     b.w("I2CSAR", 0x234)
     b.send([0x11], extra="XA", until="ARDY")
@@ -249,7 +249,7 @@ def test_repeated_start_in_the_free_data_format():
 
 
 @rule("I2C-037", "I2C-040", "I2C-148", "I2C-208")
-def test_a_new_transfer_can_follow_when_stp_reads_0_and_the_bus_is_free_in_between():
+def test_a_new_transfer_can_follow_when_stp_reads_0():
     b = Bench(Target())
     b.write_all([1])
     b.write_all([2, 3])
@@ -295,18 +295,18 @@ def test_a_second_module_ignores_the_start_byte_and_answers_the_address():
     assert b.said_at_stop() == "S 00R N S 50W A 12 A P"
 
 
-def test_mdr_values_are_those_of_the_manual():
+def test_i2cmdr_values_of_the_manual():
     assert mdr("FREE STT STP MST TRX") == 0x6E20
     assert mdr("STT MST TRX") == 0x2620
     assert mdr("STT STP MST") == 0x2C20
 
 
-# ---- commands at odd times -------------------------------------------------------------------------------
+# ---- commands during a transfer --------------------------------------------------------------------------
 
 
 @rule("I2C-052")
 @pytest.mark.parametrize("rm", ["", "RM"])
-def test_the_reserved_combination_does_nothing_on_a_kept_bus_either(rm: str):
+def test_the_reserved_combination_has_no_effect_on_a_kept_bus(rm: str):
     b = Bench(Target())
     b.send([1], extra=rm)
     b.after("ARDY")
@@ -318,8 +318,8 @@ def test_the_reserved_combination_does_nothing_on_a_kept_bus_either(rm: str):
 
 @rule("I2C-039", "I2C-041")
 @pytest.mark.parametrize("sent", [0, 1])
-def test_stp_set_while_the_module_waits_for_data_lets_it_wait_on(sent: int):
-    """RM = 0: the counter has not reached 0."""
+def test_stp_set_while_the_module_waits_for_data_does_not_end_the_wait(sent: int):
+    """With RM = 0, the count has not reached 0."""
     b = Bench(Target())
     b.send([1] * sent, extra="", count=sent + 1)
     b.until(lambda: not b.flag("XSMT"))
@@ -347,7 +347,7 @@ def test_stp_set_while_a_repeat_mode_transfer_waits_for_data_ends_it_at_once():
     st.integers(0, 40 * SLOT),
 )
 @example("start byte", 3540)  # in the high phase of a repeated START
-def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: str, after: int):
+def test_irs_0_at_any_time_releases_the_bus_and_the_next_transfer_is_correct(what: str, after: int):
     b = Bench(Target(gives=[0x12, 0x34, 0x56, 0x78]), own=0x2A)
     b.w("I2CCNT", 2)
     b.w("I2CDXR", 0x77)
@@ -361,9 +361,9 @@ def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: 
     b.run(after)
     b.w("I2CMDR", 0)
     assert b.m.out == 0b11
-    assert b.peek("I2CSTR") & ~0x1000 == 0x0410  # BB is another matter
+    assert b.peek("I2CSTR") & ~0x1000 == 0x0410  # BB may be 0 or 1
     free = 0
-    while free < 2:  # the b.target may be in mid-byte: firmware clocks, and tries a STOP, until SDA is free
+    while free < 2:  # the target may be within a byte, so firmware sends clock pulses and STOPs until SDA is free
         b.pull(SCL)
         b.run(LOW // 2)
         b.pull(SDA)
@@ -377,7 +377,7 @@ def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: 
     b.target.gives = [0x9A]
     b.w("I2CSAR", 0x50)
     b.mode("")
-    b.pulse(SDA, LOW)  # an empty transfer of somebody else tells BB that the bus is free
+    b.pulse(SDA, LOW)  # an empty transfer of another master sets BB to 0
     b.run(4 * SLOT)
     since = b.now
     b.write_all([0x5A, 0xC3])
@@ -389,8 +389,8 @@ def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: 
 
 
 @rule("I2C-145", "I2C-146")
-def test_both_lines_falling_or_rising_in_one_cycle_are_no_start_and_no_stop():
-    """Columns are half bits. The first change of SDA alone with SCL high is a START, the last a STOP."""
+def test_both_lines_changing_in_one_cycle_are_neither_start_nor_stop():
+    """Columns are half bits. The first change of SDA alone while SCL is high is a START, the last one a STOP."""
     rig = Rig(noise_filter_cycles=1).begin()
     rig.check(
         """
@@ -403,8 +403,8 @@ def test_both_lines_falling_or_rising_in_one_cycle_are_no_start_and_no_stop():
 
 @rule("I2C-145")
 @pytest.mark.parametrize("sda", [0, 1])
-def test_where_scl_rises_with_sda_the_bit_is_what_sda_becomes(sda: int):
-    """Bit 0 of the address decides: 0x91 asks for a byte, 0x90 brings one."""
+def test_a_bit_is_the_new_level_of_sda_if_it_changes_with_the_rise_of_scl(sda: int):
+    """The last bit of the address byte is the direction: 0x91 is a read, 0x90 a write."""
     rig = Rig(noise_filter_cycles=1).begin()
     rig.start()
     rig.send_bits(0x90 >> 1, 7)

@@ -1,4 +1,4 @@
-"""Autobaud: an 'A' or 'a' comes in, the baud divider that fits it comes out."""
+"""Autobaud: the baud divider is measured with a received 'A' or 'a'."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.f28335.sci_rig import SciRig, frame
 
 
 def measuring(**fields: int) -> SciRig:
-    """A module that waits for its first character, as the guide sets it up: BRR = 1, CDC = 1, ABD = 0."""
+    """Return a rig whose module waits for its first character, set up as in the guide: BRR = 1, CDC = 1, ABD = 0."""
     return SciRig(brr=1, **{"CDC": 1, **fields})
 
 
@@ -33,7 +33,7 @@ def test_an_a_of_any_rate_sets_abd_and_the_divider(letter, divider):
 @pytest.mark.rule("SCI-193")
 @settings(max_examples=30, deadline=None)
 @given(divider=st.integers(20, 2000), phase=st.integers(0, 63), letter=st.sampled_from("Aa"))
-def test_any_rate_at_any_phase(divider, phase, letter):
+def test_the_divider_is_found_for_any_rate_at_any_phase(divider, phase, letter):
     rig = measuring()
     rig.send(frame(ord(letter)) + "1", bit=32 * (divider + 1), at=rig.now + phase)
     assert (rig.get("ABD"), brr(rig)) == (1, divider)
@@ -64,7 +64,7 @@ def test_any_other_first_character_does_not_set_abd(letter):
 
 @pytest.mark.rule("SCI-194")
 @pytest.mark.parametrize(("high", "abd"), [(6, 0), (8, 1)])
-def test_an_a_counts_once_its_stop_bit_has_been_high_for_seven_eighths(high, abd):
+def test_abd_needs_a_stop_bit_that_is_high_for_seven_eighths(high, abd):
     rig = measuring()
     eighths = "".join(mark * 8 for mark in "0100000100"[:9]) + "1" * high + "0" * 16
     rig.send(eighths + "1" * 40, bit=164)
@@ -120,7 +120,7 @@ def test_cdc_left_1_gives_no_further_request():
 @pytest.mark.rule("SCI-200")
 @pytest.mark.parametrize("letter", ["A", "a"])
 @pytest.mark.parametrize("fifo", [False, True])
-def test_the_letter_itself_is_to_be_read(letter, fifo):
+def test_the_letter_itself_is_received_and_must_be_read(letter, fifo):
     rig = measuring(SCIFFENA=int(fifo))
     rig.send(frame(ord(letter)) + "1", bit=1312)
     if fifo:
@@ -132,7 +132,7 @@ def test_the_letter_itself_is_to_be_read(letter, fifo):
 
 
 @pytest.mark.rule("SCI-193", "SCI-200")
-def test_the_next_characters_are_received_and_sent_at_the_rate_found():
+def test_the_next_characters_are_received_and_sent_at_the_measured_rate():
     rig = measuring()
     rig.send(frame(ord("A")) + "1", bit=1312)
     rig.read("SCIRXBUF")
@@ -146,7 +146,7 @@ def test_the_next_characters_are_received_and_sent_at_the_rate_found():
 @pytest.mark.rule("SCI-201")
 @pytest.mark.parametrize(("divider", "duty"), [(1, 0), (9, 0), (40, 0), (8, 1), (3, 1)])
 def test_a_faster_rate_before_the_measurement_is_noted(divider, duty):
-    # The guide names BRR = 1 and, beside it, any rate of at most 500 kbit/s: BRR = 9 gives 468.75 kbit/s.
+    # The guide allows BRR = 1 and also any rate of at most 500 kbit/s: BRR = 9 gives 468.75 kbit/s.
     rig = SciRig(brr=divider)
     rig.set(CDC=1)
     rig.send(frame(ord("A")) + "11", bit=2592)
@@ -157,7 +157,7 @@ def test_a_faster_rate_before_the_measurement_is_noted(divider, duty):
 @pytest.mark.rule("SCI-193")
 @settings(max_examples=30, deadline=None)
 @given(before=st.integers(0, 255), letter=st.sampled_from("Aa"), seed=st.integers(0, 99))
-def test_what_rxd_does_within_a_cycle_is_not_measured(before, letter, seed):
+def test_changes_of_rxd_within_a_cycle_are_not_measured(before, letter, seed):
     rig = measuring()
     glitching(rig, seed)
     rig.send(frame(before) + "1", bit=1312)

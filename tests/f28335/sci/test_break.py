@@ -32,7 +32,7 @@ def test_a_shorter_low_sets_no_brkdt(bits):
 
 
 @pytest.mark.parametrize(("low", "noted"), [(10, 0), (11, 0), (12, 1), (13, 1), (19, 1), (21, 0)])
-def test_a_break_too_short_for_brkdt_is_noted_once_but_not_a_zero_of_a_slow_sender(low, noted):
+def test_a_break_too_short_for_brkdt_is_noted_once_but_a_zero_of_a_slow_sender_is_not(low, noted):
     rig = SciRig().heard("0" * low + "1" * 4 + frame(0x5A) + "1" * 12)
     assert [text for text in rig.notes("lost") if "rose before BRKDT" in text] == rig.notes("lost")
     assert (len(rig.notes("lost")), rig.get("BRKDT")) == (noted, low > 20)
@@ -54,7 +54,7 @@ def test_the_ten_bits_begin_at_the_missing_stop_bit_of_any_format(fields, frame_
 
 
 @pytest.mark.rule("SCI-088")
-def test_one_high_sample_begins_the_ten_bits_anew():
+def test_one_high_sample_restarts_the_ten_bits():
     rig = SciRig()
     rig.send_samples("0" * 8 * 17 + "1" + "0" * 8 * 9 + "1" * 8)
     assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
@@ -64,7 +64,7 @@ def test_one_high_sample_begins_the_ten_bits_anew():
 
 
 @pytest.mark.rule("SCI-088")
-def test_a_line_that_went_high_is_no_break_also_where_a_register_is_written_then():
+def test_a_register_write_after_a_short_low_does_not_make_it_a_break():
     rig = SciRig().heard("0" * 12 + "11")
     rig.write("SCICCR", rig.peek("SCICCR"))
     rig.wait(12)
@@ -73,14 +73,14 @@ def test_a_line_that_went_high_is_no_break_also_where_a_register_is_written_then
 
 @pytest.mark.rule("SCI-089")
 @pytest.mark.parametrize("bits", [25, 60, 200])
-def test_however_long_a_break_loads_nothing_beyond_the_character_with_fe(bits):
+def test_a_break_of_any_length_loads_only_the_character_with_fe(bits):
     rig = SciRig(fifo=True).heard("0" * bits + "1" * 30)
     assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 1, "BRKDT": 1}
     assert rig.read("SCIRXBUF") & 0x80FF == 0x8000
 
 
 @pytest.mark.rule("SCI-089")
-def test_the_break_itself_raises_no_rxrdy():
+def test_brkdt_does_not_set_rxrdy():
     rig = SciRig()
     rig.take("0" * 12)
     rig.send("0" * 13 + "1" * 20)
@@ -88,7 +88,7 @@ def test_the_break_itself_raises_no_rxrdy():
 
 
 @pytest.mark.rule("SCI-090", "SCI-092", "SCI-093")
-def test_after_a_break_nothing_is_received_and_brkdt_stays():
+def test_after_a_break_nothing_is_received_and_brkdt_remains_1():
     rig = broken()
     rig.send(frame(0x4B) + frame(0xA5) + "1" * 12 + frame(0x11))
     assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 0, "BRKDT": 1}
@@ -104,7 +104,7 @@ def test_reads_and_writes_do_not_clear_brkdt():
 
 
 @pytest.mark.rule("SCI-090")
-def test_characters_that_follow_do_not_clear_brkdt_even_where_reception_goes_on():
+def test_later_characters_do_not_clear_brkdt_even_if_they_are_received():
     rig = SciRig({"rx_after_break": "next_high"})
     rig.take("0" * 25 + "1" * 3)
     rig.send(frame(0x4B) + "1")
@@ -171,7 +171,7 @@ def test_brkdt_requests_rxint_by_rx_bk_int_ena(enabled, requests):
 
 
 @pytest.mark.rule("SCI-095")
-def test_a_break_is_seen_and_interrupts_in_sleep():
+def test_a_break_is_detected_and_interrupts_in_sleep():
     rig = SciRig(RXBKINTENA=1)
     rig.take(frame(0x11) * 2 + "1")
     rig.set(SLEEP=1)
@@ -182,7 +182,7 @@ def test_a_break_is_seen_and_interrupts_in_sleep():
 
 
 @pytest.mark.rule("SCI-095")
-def test_a_break_is_seen_in_sleep_in_address_bit_mode():
+def test_a_break_is_detected_in_sleep_in_address_bit_mode():
     rig = SciRig(RXBKINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).heard("0" * 25 + "1")
     assert rig.flags("BRKDT", "RXRDY") == {"BRKDT": 1, "RXRDY": 0}
     assert rig.count("RXINT") == 1
@@ -193,10 +193,8 @@ def test_a_break_is_seen_in_sleep_in_address_bit_mode():
     [("none", "", True), ("even", "0", True), ("even", "1", False), ("odd", "0", True), ("odd", "1", False)],
 )
 @pytest.mark.parametrize("data", [0x00, 0x10])
-def test_a_frame_is_like_a_break_if_every_bit_of_it_is_0_parity_bit_and_stop_bit_too(
-    parity: str, parity_bit: str, all_zero: bool, data: int
-):
-    """With `break_char_delivered` = no only such a frame brings no character; the errors rise all the same."""
+def test_a_frame_is_like_a_break_if_all_its_bits_are_0(parity: str, parity_bit: str, all_zero: bool, data: int):
+    """With `break_char_delivered` = no, only such a frame delivers no character; its error flags are set anyway."""
     fields = {"PARITYENA": int(parity != "none"), "PARITY": int(parity == "even")}
     rig = SciRig({"break_char_delivered": False}, **fields).heard(
         "0" + f"{data:08b}"[::-1] + parity_bit + "0" + "1" * 4

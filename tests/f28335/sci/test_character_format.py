@@ -1,4 +1,4 @@
-"""The SCI's frame: start bit, data, address bit, parity and stop bits, as sent and as expected."""
+"""Frames of the SCI: start bit, data, address bit, parity and stop bits, of the transmitter and the receiver."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_unused_bits_of_short_characters_do_not_count_in_the_parity_sent(word, p
 @pytest.mark.parametrize("stop_bits", [0, 1])
 def test_only_the_first_stop_bit_is_checked(stop_bits):
     rig = SciRig(fifo=True, STOPBITS=stop_bits)
-    rig.send("0 11010010 1" + "0 11110000 1" + "1")  # no second stop bit from the sender: nobody minds
+    rig.send("0 11010010 1" + "0 11110000 1" + "1")  # the sender omits the second stop bit
     assert rig.flags("FE", "RXFFST") == {"FE": 0, "RXFFST": 2}
     assert rig.received() == [0x4B, 0x0F]
 
@@ -128,7 +128,7 @@ def test_the_address_bit_is_expected_after_the_data_and_before_the_parity():
     stops=st.integers(1, 2),
     address=st.sampled_from([None, 0, 1]),
 )
-def test_any_format_is_sent_as_the_rig_draws_it_and_received_as_sent(bits, word, parity, stops, address):
+def test_any_format_is_sent_and_received_as_specified(bits, word, parity, stops, address):
     fields = {"none": {}, "even": EVEN, "odd": ODD}[parity] | {"SCICHAR": bits - 1, "STOPBITS": stops - 1}
     rig = SciRig(brr=3, **fields, ADDRIDLE_MODE=int(address is not None))
     drawn = frame(word & (1 << bits) - 1, bits, address=address, parity=parity, stops=stops)
@@ -140,7 +140,7 @@ def test_any_format_is_sent_as_the_rig_draws_it_and_received_as_sent(bits, word,
 
 
 @pytest.mark.rule("SCI-027")
-def test_a_new_format_counts_from_the_next_character_sent():
+def test_a_new_format_applies_from_the_next_sent_character_on():
     rig = SciRig().put(0x2A, 3)
     rig.set(SCICHAR=4)
     rig.write("SCITXBUF", 0x15)
@@ -148,7 +148,7 @@ def test_a_new_format_counts_from_the_next_character_sent():
 
 
 @pytest.mark.rule("SCI-027")
-def test_a_new_format_counts_from_the_next_character_received():
+def test_a_new_format_applies_from_the_next_received_character_on():
     rig = SciRig(fifo=True)
     begin = rig.send("0 010")
     rig.set(SCICHAR=4)

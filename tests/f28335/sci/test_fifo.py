@@ -1,4 +1,4 @@
-"""The SCI's two FIFOs: counts, levels, interrupts, overflow, resets and the transfer delay."""
+"""The two FIFOs of the SCI: counts, levels, interrupts, overflow, resets, and the transfer delay."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def fill(rig: SciRig, words: range) -> None:
 
 
 @pytest.mark.rule("SCI-148", "SCI-150", "SCI-151", "SCI-154")
-def test_words_are_counted_in_and_out():
+def test_txffst_counts_the_words():
     rig = SciRig(fifo=True).check("""
         > SCITXBUF  .  1  2.......  .  3  ........  .  .  ........  .  .
         < TXFFST    0  .  1.......  .  .  ........  .  0  ........  .  .
@@ -76,7 +76,7 @@ def test_the_transmit_fifo_holds_sixteen_words():
 
 
 @pytest.mark.rule("SCI-152", "SCI-153", "SCI-151")
-def test_with_one_in_the_shifter_seventeen_words_are_under_way():
+def test_seventeen_words_fit_in_the_transmit_fifo_and_txshf():
     rig = SciRig(fifo=True).put(0x40, 1)
     assert rig.get("TXFFST") == 0
     rig.write("SCITXBUF", *range(0x41, 0x51))
@@ -94,14 +94,14 @@ def test_a_transmit_word_has_eight_bits():
 @pytest.mark.rule("SCI-153")
 @settings(max_examples=20, deadline=None)
 @given(words=st.lists(st.integers(0, 255), min_size=1, max_size=16))
-def test_words_leave_in_the_order_written(words):
+def test_words_are_sent_in_the_order_written(words):
     rig = SciRig(brr=1, fifo=True)
     rig.write("SCITXBUF", *words)
     assert rig.characters(wait=10 * len(words) + 3) == words
 
 
 @pytest.mark.rule("SCI-154")
-def test_txffst_falls_only_when_the_word_before_has_left():
+def test_txffst_falls_when_the_previous_word_has_been_sent():
     rig = SciRig(brr=1, fifo=True)
     rig.write("SCITXBUF", *range(3))
     rig.wait(1)
@@ -123,7 +123,7 @@ def test_words_written_to_a_new_module_wait_for_txena():
 
 
 @pytest.mark.rule("SCI-155", "SCI-156")
-def test_the_transmit_fifo_reset_empties_it_and_holds_it():
+def test_the_transmit_fifo_reset_empties_the_fifo_and_keeps_it_empty():
     rig = SciRig(fifo=True, TXENA=0)
     rig.write("SCITXBUF", *range(5))
     rig.set(TXFIFOXRESET=0)
@@ -140,7 +140,7 @@ def test_the_transmit_fifo_reset_empties_it_and_holds_it():
 
 @pytest.mark.rule("SCI-160")
 @pytest.mark.parametrize("enabled", [0, 1])
-def test_fifos_switched_on_again_ask_for_a_txffint_that_stands_if_it_is_enabled(enabled):
+def test_enabling_the_fifos_requests_if_txffint_is_1_and_enabled(enabled):
     rig = SciRig(fifo=True, TXFFIENA=0)
     rig.set(SCIFFENA=0)
     rig.set(TXFFIENA=enabled)
@@ -150,7 +150,7 @@ def test_fifos_switched_on_again_ask_for_a_txffint_that_stands_if_it_is_enabled(
 
 
 @pytest.mark.rule("SCI-157", "SCI-158", "SCI-160")
-def test_txffint_is_set_when_the_count_has_come_down_to_the_level():
+def test_txffint_is_set_when_the_count_has_fallen_to_the_level():
     rig = SciRig(brr=1, fifo=True, TXENA=0)
     rig.write("SCITXBUF", *range(6))
     rig.set(TXFFIL=2, TXFFIENA=1, TXFFINTCLR=1)
@@ -166,7 +166,7 @@ def test_txffint_is_set_when_the_count_has_come_down_to_the_level():
 
 @pytest.mark.rule("SCI-157")
 def test_txffint_is_set_at_once_by_an_empty_fifo():
-    # The dump of a sibling: 0xE040 written, 0xE080 read.
+    # A register dump of a related device shows this: 0xE040 was written, and 0xE080 was read.
     rig = SciRig(raw=True)
     rig.write("SCIFFTX", 0xE040)
     assert rig.read("SCIFFTX") == 0xE080
@@ -184,7 +184,7 @@ def test_writing_1_to_txffintclr_clears_txffint():
 
 @pytest.mark.rule("SCI-160")
 @pytest.mark.parametrize("enabled", [0, 1])
-def test_txffiena_lets_txffint_through(enabled):
+def test_txffiena_enables_the_request_of_txffint(enabled):
     rig = SciRig(fifo=True, TXENA=0)
     rig.write("SCITXBUF", 0x11)
     rig.set(TXFFINTCLR=1, TXFFIENA=enabled)
@@ -195,7 +195,7 @@ def test_txffiena_lets_txffint_through(enabled):
 
 
 @pytest.mark.rule("SCI-160")
-def test_the_usual_handler_is_asked_once_for_each_batch():
+def test_a_handler_that_refills_and_clears_is_requested_once_per_batch():
     rig = SciRig(fifo=True, TXFFIL=0)
     rig.write("SCITXBUF", 0x11)
     rig.write("SCITXBUF", 0x22)
@@ -219,7 +219,7 @@ def test_in_fifo_mode_txrdy_requests_nothing():
 
 
 @pytest.mark.rule("SCI-162", "SCI-164")
-def test_scirst_stops_both_channels_and_1_resumes():
+def test_scirst_0_stops_both_channels_and_1_resumes_them():
     rig = SciRig(fifo=True)
     rig.write("SCITXBUF", 0x00, 0x11)
     rig.send("0 1101")
@@ -261,7 +261,7 @@ def test_scirst_leaves_the_configuration():
 
 
 @pytest.mark.rule("SCI-166", "SCI-167")
-def test_characters_are_counted_in_and_words_out():
+def test_rxffst_counts_the_words():
     SciRig(fifo=True).check("""
         > RXD     1  0  11010010  1  0  10100101  1  1  1  1
         > READ    .  .  ........  .  .  ........  .  1  1  .
@@ -279,7 +279,7 @@ def test_the_receive_fifo_holds_sixteen_words_in_order():
 
 
 @pytest.mark.rule("SCI-168")
-def test_scirxemu_shows_the_head_and_takes_nothing():
+def test_scirxemu_reads_the_oldest_word_without_removing_it():
     rig = SciRig(fifo=True)
     fill(rig, range(0x40, 0x43))
     assert [rig.read("SCIRXEMU") for _ in range(3)] == [0x40, 0x40, 0x40]
@@ -298,14 +298,14 @@ def test_each_word_carries_its_own_error_marks():
 
 
 @pytest.mark.rule("SCI-171")
-def test_without_the_fifo_the_marks_read_0():
+def test_without_the_fifo_the_error_marks_read_0():
     rig = SciRig(PARITYENA=1).heard(frame(0x33, parity="even", bad="stop") + "1")
     assert rig.flags("FE", "PE") == {"FE": 1, "PE": 1}
     assert rig.read("SCIRXBUF") == 0x0033
 
 
 @pytest.mark.rule("SCI-172", "SCI-173")
-def test_the_receive_fifo_reset_empties_it_and_holds_it():
+def test_the_receive_fifo_reset_empties_the_fifo_and_keeps_it_empty():
     rig = SciRig(fifo=True)
     fill(rig, range(3))
     rig.set(RXFIFORESET=0)
@@ -329,7 +329,7 @@ def test_rxffint_is_set_when_the_count_reaches_the_level(level):
 
 
 @pytest.mark.rule("SCI-175")
-def test_with_the_reset_level_of_31_rxffint_never_comes():
+def test_with_the_reset_level_of_31_rxffint_is_never_set():
     rig = SciRig(fifo=True, RXFFIENA=1)
     assert rig.get("RXFFIL") == 31
     fill(rig, range(20))
@@ -373,7 +373,7 @@ def test_without_rxffiena_rxffint_requests_nothing():
 
 
 @pytest.mark.rule("SCI-178", "SCI-179", "SCI-181")
-def test_the_seventeenth_word_sets_rxffovf_and_pushes_out_the_first():
+def test_the_seventeenth_word_sets_rxffovf_and_removes_the_oldest():
     rig = SciRig(fifo=True)
     fill(rig, range(0x40, 0x50))
     assert rig.get("RXFFOVF") == 0
@@ -394,7 +394,7 @@ def test_only_its_clear_bit_clears_rxffovf():
 
 
 @pytest.mark.rule("SCI-180")
-def test_rxffovf_requests_nothing_of_its_own():
+def test_rxffovf_requests_no_interrupt():
     rig = SciRig(fifo=True, RXFFIENA=1, RXFFIL=31)
     fill(rig, range(18))
     assert (rig.get("RXFFOVF"), rig.count("RXINT")) == (1, 0)
@@ -402,26 +402,26 @@ def test_rxffovf_requests_nothing_of_its_own():
 
 @pytest.mark.rule("SCI-182", "SCI-141")
 @pytest.mark.parametrize("enabled", [0, 1])
-def test_in_fifo_mode_rxerror_requests_by_rx_err_int_ena(enabled):
+def test_in_fifo_mode_rxerror_requests_if_rx_err_int_ena_is_1(enabled):
     rig = SciRig(fifo=True, RXERRINTENA=enabled, RXFFIENA=0, RXBKINTENA=0).heard(frame(0x11, bad="stop") + "1")
     assert (rig.get("RXERROR"), rig.count("RXINT")) == (1, enabled)
 
 
 @pytest.mark.rule("SCI-183")
-def test_in_fifo_mode_a_break_requests_nothing_by_rx_bk_int_ena():
+def test_in_fifo_mode_rx_bk_int_ena_enables_no_request_of_a_break():
     rig = SciRig(fifo=True, RXBKINTENA=1).heard("0" * 25 + "1")
     assert (rig.get("BRKDT"), rig.count("RXINT")) == (1, 0)
 
 
 @pytest.mark.rule("SCI-183")
-def test_in_fifo_mode_a_break_requests_by_rx_err_int_ena():
-    # asleep, so that no FE has set RXERROR before
+def test_in_fifo_mode_rx_err_int_ena_enables_the_request_of_a_break():
+    # in sleep, so that FE has not set RXERROR before
     rig = SciRig(fifo=True, RXERRINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).heard("0" * 25 + "1")
     assert (rig.flags("BRKDT", "FE"), rig.count("RXINT")) == ({"BRKDT": 1, "FE": 0}, 1)
 
 
 @pytest.mark.rule("SCI-184")
-def test_in_fifo_mode_a_character_requests_nothing_by_rx_bk_int_ena():
+def test_in_fifo_mode_rx_bk_int_ena_enables_no_request_of_a_character():
     rig = SciRig(fifo=True, RXBKINTENA=1)
     fill(rig, range(3))
     assert rig.count("RXINT") == 0
@@ -447,7 +447,7 @@ def test_in_fifo_mode_oe_means_overflow():
 
 
 def gap(rig: SciRig, words: int = 3) -> list[int]:
-    """Cycles between the last stop bit of a word and the start bit of the next."""
+    """Return the pauses in cycles from the last stop bit of a word to the start bit of the next."""
     rig.write("SCITXBUF", *range(words))
     rig.wait(words * (10 + 1) + words * 257)
     starts = [start for start, _ in rig.frames(10)]
@@ -456,7 +456,7 @@ def gap(rig: SciRig, words: int = 3) -> list[int]:
 
 @pytest.mark.rule("SCI-187", "SCI-188", "SCI-189", "SCI-154")
 @pytest.mark.parametrize("delay", [0, 1, 2, 10, 254, 255])
-def test_the_delay_passes_between_two_words(delay):
+def test_the_delay_is_the_pause_between_two_words(delay):
     rig = SciRig(brr=3, fifo=True, FFTXDLY=delay)
     assert gap(rig) == [delay * rig.bit] * 2
 
@@ -471,7 +471,7 @@ def test_during_the_delay_the_word_is_still_in_the_fifo():
 
 
 @pytest.mark.rule("SCI-187")
-def test_a_delay_written_during_a_word_counts_for_the_pause_behind_it():
+def test_a_delay_written_during_a_word_applies_to_the_pause_after_it():
     rig = SciRig(fifo=True, FFTXDLY=3)
     rig.write("SCITXBUF", 0x11)
     rig.put(0x22, 4)

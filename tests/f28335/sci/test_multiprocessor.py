@@ -41,7 +41,7 @@ def test_rxwake_is_set_when_the_line_has_been_idle_for_ten_bits():
 
 
 @pytest.mark.rule("SCI-100", "SCI-103")
-def test_every_idle_line_sets_rxwake_anew():
+def test_every_idle_line_sets_rxwake_again():
     rig = SciRig()
     for data in range(3):
         rig.send(frame(data) + QUIET)
@@ -123,7 +123,7 @@ def test_txwake_and_a_dummy_make_an_idle_time_of_eleven_bits(fields):
 
 @pytest.mark.rule("SCI-106", "SCI-107", "SCI-114")
 def test_the_idle_time_of_an_idle_line():
-    # the dummy of column 0 takes columns 0 to 10; the start bit of 0x05 is column 11
+    # the dummy written in column 0 takes columns 0 to 10; the start bit of 0x05 is in column 11
     SciRig().check("""
         > TXWAKE    1  .  ..........  .  ........  .  .
         > SCITXBUF  e  5  ..........  .  ........  .  .
@@ -156,7 +156,7 @@ def test_a_second_dummy_may_be_written_at_once():
 
 @pytest.mark.rule("SCI-108", "SCI-130")
 @pytest.mark.parametrize(("pause", "block"), [(11, 1), (7, 0)])
-def test_software_may_wait_ten_bits_itself(pause, block):
+def test_a_pause_of_ten_bits_by_software_begins_a_block(pause, block):
     rig = SciRig(LOOPBKENA=1).put(0x15, 10)
     rig.wait(sciclk=1)
     rig.read("SCIRXBUF")
@@ -233,7 +233,7 @@ def test_rxwake_is_the_address_bit_of_the_character_in_the_buffer(bit):
 
 @pytest.mark.rule("SCI-120")
 @pytest.mark.parametrize("idle", [1, 9, 11, 50])
-def test_in_address_bit_mode_idle_time_means_nothing(idle):
+def test_in_address_bit_mode_idle_time_has_no_meaning(idle):
     rig = SciRig(**ADDRESS)
     rig.take(frame(0x11, address=0))
     rig.set(SLEEP=1)
@@ -245,7 +245,7 @@ def test_in_address_bit_mode_idle_time_means_nothing(idle):
     assert rig.flags("RXRDY", "RXWAKE") == {"RXRDY": 1, "RXWAKE": 1}
 
 
-# The erratum: the search for the next start bit opens in the address bit.
+# The erratum: the search for the next start bit begins in the address bit.
 
 
 def samples(text: str) -> str:
@@ -259,23 +259,23 @@ START_AND_0X4B = samples("0 11010010")
 @pytest.mark.parametrize(
     ("address_bit", "stop_bit", "false_start"),
     [
-        ("00000000", "11111111", 0),  # in time: 6, 7, 8 are low, 1 is high
-        ("00000000", "01111111", 1),  # the line is low at 6, 7, 8 and 1
-        ("00001000", "01111111", 1),  # and 5 does not matter
-        ("00000100", "01111111", 0),  # the search begins at 6: three low samples only
+        ("00000000", "11111111", 0),  # the stop bit is in time: samples 6, 7 and 8 are low, and 1 is high
+        ("00000000", "01111111", 1),  # samples 6, 7, 8 and 1 are low
+        ("00001000", "01111111", 1),  # sample 5 has no influence
+        ("00000100", "01111111", 0),  # the search begins at sample 6: only three low samples
         ("00000001", "01111111", 0),
         ("11111111", "11111111", 0),
-        ("11111111", "01111111", 0),  # address bit 1: a late stop bit does nothing
+        ("11111111", "01111111", 0),  # address bit 1: a late stop bit has no effect
     ],
 )
-def test_a_false_start_needs_6_7_8_and_the_stop_bits_1_low(address_bit, stop_bit, false_start):
+def test_a_false_start_bit_needs_samples_6_7_8_and_1_low(address_bit, stop_bit, false_start):
     rig = SciRig(fifo=True, **ADDRESS)
     rig.send_samples(START_AND_0X4B + address_bit + stop_bit + "1" * 8 * 14)
     assert rig.received() == [0x4B, *[0xFF] * false_start]
 
 
 @pytest.mark.rule("SCI-121", "SCI-122")
-def test_a_sender_one_and_a_half_percent_slow_trips_it():
+def test_a_sender_that_is_one_and_a_half_percent_slow_causes_a_false_start_bit():
     rig = SciRig(fifo=True, **ADDRESS)
     rig.send(frame(0x4B, address=0) + "1" * 14, bit=rig.bit * 1.015)
     assert rig.received() == [0x4B, 0xFF]
@@ -285,7 +285,7 @@ def test_a_sender_one_and_a_half_percent_slow_trips_it():
 
 @pytest.mark.rule("SCI-124")
 @pytest.mark.parametrize("phase", range(0, 100, 10))
-def test_a_receiver_set_slower_than_the_sender_is_never_tripped(phase):
+def test_a_receiver_that_is_slower_than_the_sender_detects_no_false_start_bit(phase):
     rig = SciRig(fifo=True, **ADDRESS)
     sent = [0x4B, 0x00, 0xFF, 0x80]
     for data in sent:
@@ -305,7 +305,7 @@ def test_idle_line_mode_does_not_have_the_erratum(phase):
 
 
 @pytest.mark.rule("SCI-125")
-def test_idle_line_mode_forgives_a_late_stop_bit():
+def test_idle_line_mode_tolerates_a_late_stop_bit():
     rig = SciRig(fifo=True)
     rig.send_samples(samples("0 1101001") + "00000000" + "01111111" + "1" * 8 * 14)
     assert rig.received() == [0x4B]
@@ -315,7 +315,7 @@ def test_idle_line_mode_forgives_a_late_stop_bit():
 
 
 def asleep(**fields: int) -> SciRig:
-    """A module that has just heard a frame, has been read, and now sleeps."""
+    """Return a rig whose module has received a frame, which was read, and then went to sleep."""
     rig = SciRig(RXBKINTENA=1, RXERRINTENA=1, **fields)
     rig.take(frame(0x11, address=1 if fields.get("ADDRIDLE_MODE") else None))
     rig.set(SLEEP=1)
@@ -324,12 +324,12 @@ def asleep(**fields: int) -> SciRig:
 
 @pytest.mark.rule("SCI-126", "SCI-127", "SCI-128", "SCI-129")
 @pytest.mark.parametrize("fields", [{}, ADDRESS])
-def test_asleep_other_frames_leave_no_trace(fields):
+def test_in_sleep_other_frames_have_no_effect(fields):
     rig = asleep(**fields)
     before = rig.count("RXINT")
     address = 0 if fields else None
     rig.send(frame(0x22, address=address) + "1" + frame(0x33, address=address))
-    if not fields:  # in address-bit mode a missing stop bit makes a false start: the erratum
+    if not fields:  # in address-bit mode, a missing stop bit would cause a false start bit (the erratum)
         rig.send(frame(0x44, bad="stop") + "1" + frame(0x55) + "1")
     assert rig.flags("RXRDY", "FE", "OE", "PE", "RXERROR") == dict.fromkeys(("RXRDY", "FE", "OE", "PE", "RXERROR"), 0)
     assert rig.count("RXINT") == before
@@ -337,7 +337,7 @@ def test_asleep_other_frames_leave_no_trace(fields):
 
 
 @pytest.mark.rule("SCI-127")
-def test_asleep_a_wrong_parity_bit_is_not_reported():
+def test_in_sleep_a_wrong_parity_bit_is_not_reported():
     rig = SciRig(PARITYENA=1, PARITY=1)
     rig.take(frame(0x11, parity="even"))
     rig.set(SLEEP=1)
@@ -349,7 +349,7 @@ def test_asleep_a_wrong_parity_bit_is_not_reported():
 
 
 @pytest.mark.rule("SCI-129", "SCI-128")
-def test_asleep_the_fifo_takes_no_word():
+def test_in_sleep_the_fifo_stores_no_word():
     rig = SciRig(fifo=True, RXFFIL=1, RXFFIENA=1, **ADDRESS, SLEEP=1).heard(frame(0x22, address=0) * 3 + "1")
     assert rig.flags("RXFFST", "RXFFINT") == {"RXFFST": 0, "RXFFINT": 0}
     rig.send(frame(0x33, address=1) + "1")
@@ -358,7 +358,7 @@ def test_asleep_the_fifo_takes_no_word():
 
 
 @pytest.mark.rule("SCI-130")
-def test_asleep_the_first_frame_after_ten_idle_bits_is_received():
+def test_in_sleep_the_first_frame_after_ten_idle_bits_is_received():
     rig = asleep()
     before = rig.count("RXINT")
     rig.send(frame(0x22) + QUIET + frame(0x33))
@@ -367,7 +367,7 @@ def test_asleep_the_first_frame_after_ten_idle_bits_is_received():
 
 
 @pytest.mark.rule("SCI-130", "SCI-132")
-def test_still_asleep_the_rest_of_the_block_is_skipped():
+def test_in_sleep_the_rest_of_the_block_is_skipped():
     rig = asleep()
     rig.send(QUIET + frame(0x33))
     assert rig.read("SCIRXBUF") == 0x33
@@ -376,7 +376,7 @@ def test_still_asleep_the_rest_of_the_block_is_skipped():
 
 
 @pytest.mark.rule("SCI-131", "SCI-132")
-def test_asleep_a_frame_with_address_bit_1_is_received():
+def test_in_sleep_a_frame_with_address_bit_1_is_received():
     rig = asleep(**ADDRESS)
     before = rig.count("RXINT")
     rig.send(frame(0x22, address=0) + frame(0x33, address=1) + "1")
@@ -397,7 +397,7 @@ def test_only_software_and_system_reset_change_sleep(sleep):
 
 @pytest.mark.rule("SCI-133")
 @pytest.mark.parametrize("fields", [{}, ADDRESS])
-def test_sleep_cleared_after_the_address_lets_every_character_through(fields):
+def test_every_character_is_received_after_sleep_is_cleared(fields):
     rig = asleep(**fields)
     rig.send(QUIET + frame(0x33, address=1 if fields else None))
     assert rig.read("SCIRXBUF") == 0x33

@@ -1,6 +1,6 @@
-"""What TI's documents leave open about the SCI: one test an option, run for every value of it.
+"""Open questions about the SCI, which TI's documents do not answer: one test for each option, run with every value.
 
-A change of mind about a default, or about what a value means, shows up here.
+A changed default or a changed meaning of a value makes a test fail.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ def samples(text: str) -> str:
 
 
 def first(rig: SciRig, signal: str, value: int, limit: int) -> int:
-    """When `signal` first shows `value`, at the most `limit` cycles from now."""
+    """Return the time at which a signal first has a value, within `limit` cycles from now."""
     return next(time for time, now in rig.changes(signal, limit) if now == value)
 
 
 def start_of_stop_bit(rig: SciRig) -> int:
-    """When the frame began whose data have been played; the stop bit has just begun."""
+    """Send a frame up to the start of its stop bit, and return the start of the frame."""
     begin = rig.send("0 11010010")
     rig.drive(rig.now, "RXD", 1)
     return begin
 
 
-def test_every_option_has_its_test_and_every_value_is_in_it():
+def test_every_option_has_a_test_with_every_value():
     check_tests_of(SciOptions, __name__)
 
 
@@ -47,7 +47,7 @@ def test_open_rxrdy_point(value, eighths):
     rig = rig_with("rxrdy_point", value)
     begin = start_of_stop_bit(rig)
     took = first(rig, "RXRDY", 1, 3 * rig.bit) - begin
-    # half an SCICLK and the synchroniser lie between the edge and the first sample
+    # from the edge to the first sample: half an SCICLK and the delay of the synchroniser
     assert abs(took - (9 * 8 + eighths) * rig.sciclk) <= rig.sciclk // 2 + 2
     default = SciRig()
     began = start_of_stop_bit(default)
@@ -67,12 +67,12 @@ def test_open_rx_int_extra(value):
 @pytest.mark.rule("SCI-036")
 @pytest.mark.parametrize(("value", "early", "late"), [("4_5_6", 1, 0), ("3_4_5", 0, 1)])
 def test_open_stop_vote_samples(value, early, late):
-    # high only at 3 and 4, then only at 5 and 6: which of them is a stop bit?
+    # stop bits that are high only in samples 3 and 4, and only in samples 5 and 6
     for stop_bit, fe in (("00110000", early), ("00001100", late)):
         rig = rig_with("stop_vote_samples", value)
         rig.send_samples(samples("0 11010010") + stop_bit + "1" * 16)
         assert (stop_bit, rig.get("FE")) == (stop_bit, fe)
-    # 4 and 5 belong to both
+    # samples 4 and 5 are used with both values
     rig = rig_with("stop_vote_samples", value)
     rig.send_samples(samples("0 11010010") + "00011000" + "1" * 16)
     assert rig.get("FE") == 0
@@ -81,7 +81,7 @@ def test_open_stop_vote_samples(value, early, late):
 @pytest.mark.rule("SCI-038")
 @pytest.mark.parametrize(("value", "shortest"), [(6, 4), (7, 5), (8, 6)])
 def test_open_start_hunt_point(value, shortest):
-    # a low that begins at sub-sample 6 of the stop bit; four of its samples must come after the search opened
+    # a low that begins at sub-sample 6 of the stop bit; the search must find four of its samples
     for low in range(2, 9):
         rig = rig_with("start_hunt_point", value, fifo=True)
         rig.send_samples(samples("0 11010010") + "11111" + "0" * low + "1" * 100)
@@ -91,12 +91,12 @@ def test_open_start_hunt_point(value, shortest):
 @pytest.mark.rule("SCI-121")
 @pytest.mark.parametrize(("value", "false_start"), [("address_bit", 1), ("parity_bit", 0)])
 def test_open_addrbit_hunt_with_parity(value, false_start):
-    # 0x4B and address bit 0, even parity: the parity bit is 0, so a search from the address bit on finds 6, 7, 8, 1 low
+    # 0x4B, address bit 0, even parity 0: a search that begins in the address bit finds samples 6, 7, 8 and 1 low
     rig = rig_with("addrbit_hunt_with_parity", value, fifo=True, **ADDRESS, PARITYENA=1, PARITY=1)
     rig.send_samples(samples("0 11010010 0 0 1") + "1" * 8 * 16)
     assert rig.read("SCIRXBUF") == 0x4B
     assert rig.get("RXFFST") == false_start
-    # with the parity bit late, a search from there finds the same
+    # if the stop bit is late, a search that begins in the parity bit finds the same
     rig = rig_with("addrbit_hunt_with_parity", value, fifo=True, **ADDRESS, PARITYENA=1, PARITY=1)
     rig.send_samples(samples("0 11010010 0 0") + "01111111" + "1" * 8 * 16)
     assert rig.read("SCIRXBUF") == 0x4B
@@ -104,7 +104,7 @@ def test_open_addrbit_hunt_with_parity(value, false_start):
 
 
 def least_break(rig_of: dict[str, str | int | bool]) -> int:
-    """The shortest low in SCICLK that sets BRKDT."""
+    """Return the shortest low in SCICLK that sets BRKDT."""
     for low in range(140, 176):
         rig = SciRig(rig_of)
         for option in rig_of:
@@ -112,10 +112,10 @@ def least_break(rig_of: dict[str, str | int | bool]) -> int:
         rig.send_samples("0" * low + "1" * 16)
         if rig.get("BRKDT"):
             return low
-    raise AssertionError("no low of up to 175 SCICLK was a break")
+    raise AssertionError("no low of up to 175 SCICLK set BRKDT")
 
 
-# The last stop sample is sub-sample 6 of bit 9: sample 78 of the low. The missing stop bit ends with sample 80.
+# The last sample of the stop bit vote is sub-sample 6 of bit 9: sample 78 of the low. Bit 9 ends with sample 80.
 
 
 @pytest.mark.rule("SCI-086", "SCI-087")
@@ -129,7 +129,7 @@ def test_open_break_bits(value, sciclk):
 def test_open_break_count_from(value, later):
     base = least_break({})
     assert least_break({"break_count_from": value}) == base + later
-    # counted from the last stop sample of the erratum's drawing, ten bits end 9.625 bits after the missing stop bit
+    # with the samples 3, 4, 5, as drawn in the erratum, the ten bits begin and end one SCICLK earlier
     if value == "last_stop_sample":
         assert least_break({"stop_vote_samples": "3_4_5"}) == base - 1
 
@@ -149,7 +149,7 @@ def test_open_rx_after_break(value, words):
 @pytest.mark.parametrize("value", [2, 0, 3])
 def test_open_rx_sync_stages(value):
     def soonest(stages: int) -> int:
-        """The least time from a start edge to RXRDY over all phases."""
+        """Return the shortest time from a start edge to RXRDY over all phases."""
         took = []
         for phase in range(8):
             rig = rig_with("rx_sync_stages", stages, brr=1)
@@ -294,13 +294,13 @@ def test_open_rxfifo_read_when_empty(value, word):
 def test_open_fifo_int_mode(value, again):
     rig = rig_with("fifo_int_mode", value, fifo=True, RXFFIL=1, TXENA=0)
     rig.send(frame(0x11) + "1")
-    # the transmit FIFO is empty (0 <= 0), the receive FIFO has its word (1 >= 1): both are cleared with the cause there
+    # both flags are cleared while their causes last: the transmit FIFO is empty (0 <= 0), the other has a word (1 >= 1)
     rig.set(TXFFIENA=1, RXFFIENA=1, TXFFINTCLR=1, RXFFINTCLR=1)
     assert rig.flags("TXFFINT", "RXFFINT") == {"TXFFINT": again, "RXFFINT": again}
     before = rig.count("TXINT"), rig.count("RXINT")
     rig.set(TXFFINTCLR=1, RXFFINTCLR=1)
     assert (rig.count("TXINT") - before[0], rig.count("RXINT") - before[1]) == (again, again)
-    # with the cause gone the clear holds in both, and a new cause sets the flag in both
+    # without the causes, the flags remain cleared with both values, and new causes set them
     rig.received()
     rig.write("SCITXBUF", 0x11)
     rig.set(TXFFINTCLR=1, RXFFINTCLR=1)
@@ -346,7 +346,7 @@ def test_open_txrdy_point(value, before):
     rig.wait(1)
     assert (ready < rig.falls()[0]) == before
     if before:
-        assert ready == written + 4 - written % 4  # LSPCLK's edges lie at multiples of four
+        assert ready == written + 4 - written % 4  # edges of LSPCLK are at multiples of four
     else:
         assert ready == rig.falls()[0]
 
@@ -382,7 +382,7 @@ def test_open_txempty_fall(value, part):
     rig.write("SCITXBUF", 0x55)
     due = rig.chip.next_wake
     fell = written if rig.get("TXEMPTY") == 0 else first(rig, "TXEMPTY", 0, rig.bit)
-    assert fell in (written, due)  # nobody has to ask: it is woken for it
+    assert fell in (written, due)  # at the write, or at a wake-up that the chip has requested
     rig.wait(1)
     assert fell == written + int(part * (rig.falls()[0] - written))
     rig.wait(11)
@@ -405,11 +405,11 @@ def test_open_txbuf_write_when_full(value, second):
     [
         ("next_sciclk", [25, 50, 75, 100]),
         ("next_bit_tick", list(range(25, 801, 25))),
-        ("restart", [1, 2, 3, 4]),  # LSPCLK ticks every four cycles
+        ("restart", [1, 2, 3, 4]),  # LSPCLK has a period of four cycles
     ],
 )
 def test_open_tx_phase(value, possible):
-    """Cycles from the write to the start bit, over writes 25 cycles apart in the eight SCICLK of a bit."""
+    """Delays from a write to the start bit, for writes every 25 cycles within the eight SCICLK of a bit."""
     delays = set()
     for phase in range(0, 800, 25):
         rig = rig_with("tx_phase", value)
@@ -453,7 +453,7 @@ def test_open_txwake_idle_len(value, fixed, fields, length):
 @pytest.mark.rule("SCI-023")
 @pytest.mark.parametrize(("value", "parity"), [("masked", "0"), ("whole_byte", "1")])
 def test_open_parity_of_short_chars(value, parity):
-    # three bits of data, 011; the word above them holds one more 1
+    # three bits of data, 011; the written word has one more 1 above them
     rig = rig_with("parity_of_short_chars", value, SCICHAR=2, PARITYENA=1, PARITY=1)
     assert rig.transmit(0x83, 6) == levels(f"0 110 {parity} 1")
 
@@ -468,7 +468,7 @@ def test_open_fftxdly_first_word(value, bits):
 
 
 def pause(rig: SciRig) -> int:
-    """Cycles between two words of the FIFO."""
+    """Return the pause between two words of the FIFO in cycles."""
     rig.write("SCITXBUF", 0x11)
     rig.put(0x22, 2 * 11 + 260)
     one, two = (start for start, _ in rig.frames(10))
@@ -558,7 +558,7 @@ def test_open_scirst_scope(value, stays):
 @pytest.mark.rule("SCI-193")
 @pytest.mark.parametrize(("value", "divider"), [("nearest", 41), ("truncated", 40)])
 def test_open_autobaud_brr_rule(value, divider):
-    # 1338 cycles are 41.8 times 32; BRR + 1 is 42 or 41
+    # 1338 cycles are 41.8 times 32, so BRR + 1 is 42 or 41
     rig = rig_with("autobaud_brr_rule", value, brr=1, CDC=1)
     rig.send(frame(ord("A")) + "1", bit=1338)
     assert rig.flags("ABD", "SCIHBAUD", "SCILBAUD") == {"ABD": 1, "SCIHBAUD": 0, "SCILBAUD": divider}
@@ -575,7 +575,7 @@ def test_open_brr_write_effect(value, now):
     rig.wait(12)
     first_bit = rig.edges[1][0] - start
     if now:
-        assert first_bit == 352 + 5 * 200  # begun anew with the next LSPCLK
+        assert first_bit == 352 + 5 * 200  # the SCICLK restarts at the next LSPCLK
     else:
         assert first_bit == 4 * 100 + 4 * 200
     assert rig.edges[2][0] - rig.edges[1][0] == 1600
@@ -597,7 +597,7 @@ def test_open_format_write_effect(value, first):
     assert rig.get("FE") == 0
 
 
-# Met while the model was written.
+# Questions that came up while the model was written.
 
 
 @pytest.mark.parametrize(("value", "seen"), [("reads_0", 0x00), ("accessible", 0x07)])

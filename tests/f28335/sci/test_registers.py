@@ -1,4 +1,4 @@
-"""The SCI's registers as the CPU sees them: reset values, reserved and read-only bits, strobes, the clock gate."""
+"""Registers of the SCI in CPU accesses: reset values, reserved and read-only bits, strobes, the clock gate."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from periph_sim.f28335.sci.module import Sci
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from tests.f28335.sci_rig import FIFO, SciRig, frame
 
-# SPRUFZ5A figures 2-1 to 2-14, typed a second time on purpose: (offset, reset value).
+# SPRUFZ5A figures 2-1 to 2-14, copied independently of the model: (offset, reset value).
 MANUAL = {
     "SCICCR": (0x0, 0x00),
     "SCICTL1": (0x1, 0x00),
@@ -28,7 +28,7 @@ EIGHT_BITS = ["SCICCR", "SCICTL1", "SCIHBAUD", "SCILBAUD", "SCICTL2", "SCIRXST",
 
 
 def in_the_middle_of_everything() -> SciRig:
-    """A FIFO module with words in both FIFOs, an overflow, errors, and a frame under way in both directions."""
+    """Return a rig with words in both FIFOs, an overflow, errors, and a frame in progress in both directions."""
     rig = SciRig(fifo=True, RXFFIL=2, TXFFIL=3, FFTXDLY=7, PARITY=1, PARITYENA=1, SOFT=1, TXINTENA=1, RXERRINTENA=1)
     rig.write("SCITXBUF", *range(5))
     rig.send(frame(0x5A, parity="even", bad="parity") + frame(0x11, parity="even", bad="stop") + "11")
@@ -40,7 +40,7 @@ def in_the_middle_of_everything() -> SciRig:
 
 @pytest.mark.rule("SCI-002", "SCI-003", "SCI-004")
 @pytest.mark.parametrize("register", MANUAL)
-def test_reset_values_are_the_manuals(register):
+def test_reset_values_are_those_of_the_manual(register):
     offset, value = MANUAL[register]
     assert SCI_MAP[register].offset == offset
     fresh = SciRig(raw=True)
@@ -52,7 +52,7 @@ def test_reset_values_are_the_manuals(register):
 
 @pytest.mark.rule("SCI-005")
 @pytest.mark.parametrize("register", EIGHT_BITS)
-def test_the_high_byte_of_an_eight_bit_register_is_not_there(register):
+def test_the_high_byte_of_an_eight_bit_register_reads_0(register):
     rig = SciRig(raw=True)
     rig.write(register, 0xFF00)
     assert rig.read(register) == {"SCICTL2": 0xC0}.get(register, 0)
@@ -84,7 +84,7 @@ def test_reserved_bits_read_zero_and_ignore_writes(register, reserved):
     ("register", "kept"),
     [("SCICCR", 0xFF), ("SCIHBAUD", 0xFF), ("SCILBAUD", 0xFF), ("SCITXBUF", 0xFF), ("SCIPRI", 0x18)],
 )
-def test_what_software_owns_reads_back(register, kept):
+def test_writable_bits_read_back(register, kept):
     rig = SciRig(raw=True)
     rig.write(register, 0xFFFF)
     assert rig.read(register) == kept
@@ -92,7 +92,7 @@ def test_what_software_owns_reads_back(register, kept):
 
 @pytest.mark.rule("SCI-007")
 @pytest.mark.parametrize("register", ["SCIRXST", "SCIRXEMU", "SCIRXBUF"])
-def test_the_receivers_registers_ignore_writes(register):
+def test_the_registers_of_the_receiver_ignore_writes(register):
     rig = SciRig().heard(frame(0x96) + frame(0x3C) + frame(0xA5, bad="stop") + "111")
     before = rig.peek(register)
     assert before != 0
@@ -139,7 +139,7 @@ def test_fifo_counts_and_flags_ignore_writes():
 
 
 @pytest.mark.rule("SCI-007")
-def test_set_flags_do_not_fall_by_a_written_zero():
+def test_writing_0_does_not_clear_a_flag():
     rig = SciRig(fifo=True, RXFFIL=1)
     for word in range(17):
         rig.send(frame(word))
@@ -172,7 +172,7 @@ def test_a_strobe_written_zero_clears_nothing():
 
 
 @pytest.mark.rule("SCI-009")
-def test_without_its_clock_the_transmitter_stands_still():
+def test_the_transmitter_stops_without_its_clock():
     SciRig().check("""
         > GATE      .  .  .  .  0 . . . . . . . . .  1  .  .  .  .  .  .  .
         > SCITXBUF  5  .  .  .  . . . . . . . . . .  .  .  .  .  .  .  .  .
@@ -182,7 +182,7 @@ def test_without_its_clock_the_transmitter_stands_still():
 
 
 @pytest.mark.rule("SCI-009")
-def test_without_its_clock_the_receiver_hears_nothing():
+def test_the_receiver_receives_nothing_without_its_clock():
     rig = SciRig(fifo=True)
     rig.chip.gate(rig.now, False)
     rig.send(frame(0x5A) + "1" * 20)
@@ -204,7 +204,7 @@ def test_after_reset_the_module_has_no_clock():
 
 
 @pytest.mark.rule("SCI-010")
-def test_scirxemu_shows_what_scirxbuf_shows():
+def test_scirxemu_has_the_value_of_scirxbuf():
     rig = SciRig()
     for data in (0x5A, 0xC3):
         rig.send(frame(data) + "1")
@@ -245,7 +245,7 @@ def test_the_module_stays_in_reset_until_software_writes_one():
 
 
 @pytest.mark.rule("SCI-014")
-def test_until_the_fifos_are_switched_on_they_do_nothing():
+def test_the_fifos_have_no_effect_until_they_are_enabled():
     rig = SciRig(raw=True, fifo=False)
     rig.wait(20)
     assert rig.flags("TXFFINT", "TXFFST", "TXFFIL") == {"TXFFINT": 0, "TXFFST": 0, "TXFFIL": 0}

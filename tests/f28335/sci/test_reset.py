@@ -1,4 +1,4 @@
-"""SW RESET: what it stops, what it sets, and what it leaves alone."""
+"""SW RESET and the system reset: activities that they stop, and flags and fields that they change or leave."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def test_transmission_stops_at_once():
 
 
 @pytest.mark.rule("SCI-202")
-def test_the_line_is_let_go_in_the_cycle_of_the_write():
+def test_the_line_becomes_1_in_the_cycle_of_the_write():
     rig = SciRig().put(0x00, 3, cycles=17)
     rig.set(SWRESET=0)
     assert rig.edges[-1] == (rig.now, 1)
@@ -26,7 +26,7 @@ def test_the_line_is_let_go_in_the_cycle_of_the_write():
 
 @pytest.mark.rule("SCI-202", "SCI-207")
 def test_reception_stops_at_once():
-    # Released in the middle of the frame, the receiver does not go on with it; its last bits are all 1.
+    # SW RESET ends within the frame, whose last bits are all 1. The receiver does not continue the frame.
     rig = SciRig().check("""
         > RXD      1  0  1010 1111  1  ........  1  0  11010010  1  1
         > SWRESET  .  .  ..0. 1...  .  ........  .  .  ........  .  .
@@ -36,7 +36,7 @@ def test_reception_stops_at_once():
 
 
 @pytest.mark.rule("SCI-203")
-def test_the_flags_stand_still_whatever_arrives():
+def test_no_flag_changes_during_sw_reset():
     rig = SciRig(PARITYENA=1, RXBKINTENA=1, RXERRINTENA=1, TXINTENA=0)
     rig.set(SWRESET=0)
     for text in (
@@ -54,7 +54,7 @@ def test_the_flags_stand_still_whatever_arrives():
 
 
 @pytest.mark.rule("SCI-204", "SCI-084", "SCI-134")
-def test_the_configuration_stays():
+def test_sw_reset_leaves_the_configuration():
     kept = {
         "STOPBITS": 1,
         "PARITY": 1,
@@ -88,7 +88,7 @@ def test_the_configuration_stays():
 
 
 @pytest.mark.rule("SCI-205")
-def test_the_fifos_and_their_flags_stay():
+def test_sw_reset_leaves_the_fifos_and_their_flags():
     rig = SciRig(fifo=True, RXFFIL=1, TXFFIL=16)
     for word in range(17):
         rig.send(frame(0x40 + word))
@@ -106,7 +106,7 @@ def test_the_fifos_and_their_flags_stay():
 
 
 @pytest.mark.rule("SCI-205")
-def test_abd_stays():
+def test_sw_reset_leaves_abd():
     rig = SciRig(brr=1, CDC=1)
     rig.send(frame(ord("A")) + "11", bit=1312)
     assert rig.get("ABD") == 1
@@ -137,7 +137,7 @@ def test_sw_reset_1_enables_both_directions():
 
 
 @pytest.mark.rule("SCI-208", "SCI-093")
-def test_a_break_needs_the_toggle():
+def test_after_a_break_reception_needs_an_sw_reset():
     rig = SciRig()
     rig.take("0" * 25 + "1" * 5)
     rig.send(frame(0x11) + "1")
@@ -147,7 +147,7 @@ def test_a_break_needs_the_toggle():
     assert rig.flags("RXRDY", "BRKDT", "RXDT") == {"RXRDY": 1, "BRKDT": 0, "RXDT": 0x22}
 
 
-def test_system_reset_in_the_middle_of_everything_leaves_a_quiet_module():
+def test_a_system_reset_during_transfers_stops_them_and_clears_the_fifos():
     rig = SciRig(fifo=True, TXFFIENA=0)
     rig.write("SCITXBUF", *range(5))
     rig.send(frame(0x11) + "0 10")
@@ -166,7 +166,7 @@ def test_system_reset_in_the_middle_of_everything_leaves_a_quiet_module():
 
 
 def test_after_reset_a_frame_has_one_data_bit_no_parity_and_one_stop_bit():
-    """SCICCR = 0: whatever was set before. Sender and receiver show it."""
+    """After a reset, SCICCR is 0; transmitter and receiver use this format."""
     rig = SciRig(PARITYENA=1, PARITY=1, STOPBITS=1)
     rig.reset()
     assert rig.peek("SCICCR") == 0

@@ -1,4 +1,4 @@
-"""SCIRXST and SCIRXBUF in standard mode: what sets each flag, and the few things that clear it."""
+"""SCIRXST and SCIRXBUF in standard mode: the causes that set and clear each flag."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ODD = {"PARITYENA": 1, "PARITY": 0}
 
 
 def with_every_flag() -> SciRig:
-    """RXRDY, RXWAKE, and all four errors set."""
+    """Return a rig in which RXRDY, RXWAKE and all four error flags are 1."""
     rig = SciRig(**ODD).heard(frame(0x12, parity="odd", bad="parity") + "1" * 13)
     rig.send(frame(0x13, parity="odd", bad="stop") + "0" * 22 + "1")
     return rig
@@ -20,7 +20,7 @@ ALL = ("RXRDY", "RXWAKE", "RXERROR", "BRKDT", "FE", "OE", "PE")
 
 
 @pytest.mark.rule("SCI-040", "SCI-041")
-def test_rxrdy_rises_inside_the_stop_bit_and_falls_by_the_read():
+def test_rxrdy_rises_within_the_stop_bit_and_falls_at_the_read():
     rig = SciRig().check("""
         > RXD      1  0  11010010  1  1  0  10100101  1  1
         > READ     .  .  ........  .  1  .  ........  .  .
@@ -53,7 +53,7 @@ def test_a_reset_clears_every_receive_flag(reset):
 
 
 @pytest.mark.rule("SCI-050", "SCI-054", "SCI-058", "SCI-060", "SCI-092")
-def test_reading_and_writing_anything_else_clears_no_error():
+def test_other_reads_and_writes_clear_no_error():
     rig = with_every_flag()
     errors = ("RXERROR", "BRKDT", "FE", "OE", "PE")
     for register in ("SCIRXBUF", "SCIRXEMU", "SCIRXST"):
@@ -77,13 +77,13 @@ def test_while_rxena_is_0_nothing_is_delivered_and_nothing_requested():
 
 
 @pytest.mark.rule("SCI-044")
-def test_while_rxena_is_0_the_fifo_takes_no_word():
+def test_while_rxena_is_0_the_fifo_stores_no_word():
     rig = SciRig(fifo=True, RXENA=0).heard(frame(0x22) + "1")
     assert rig.get("RXFFST") == 0
 
 
 @pytest.mark.rule("SCI-047", "SCI-048", "SCI-050")
-def test_an_unread_character_is_overrun_and_replaced():
+def test_an_unread_character_is_overwritten_and_sets_oe():
     SciRig().check("""
         > RXD      1  0  11010010  1  1  0  10100101  1  1  0  00000000  1  1
         > READ     .  .  ........  .  .  .  ........  .  1  .  ........  .  1
@@ -109,7 +109,7 @@ def test_a_character_read_in_time_is_not_overrun():
 
 
 @pytest.mark.rule("SCI-051", "SCI-054", "SCI-061", "SCI-059")
-def test_a_missing_stop_bit_sets_fe_for_good_and_the_character_is_delivered():
+def test_a_missing_stop_bit_sets_fe_until_a_reset_and_the_character_is_delivered():
     rig = SciRig().check("""
         > RXD      1  0  11010010  0  1  0  11010010  1  1
         > READ     .  .  ........  .  1  .  ........  .  .
@@ -121,7 +121,7 @@ def test_a_missing_stop_bit_sets_fe_for_good_and_the_character_is_delivered():
 
 
 @pytest.mark.rule("SCI-055", "SCI-058", "SCI-059", "SCI-061")
-def test_a_wrong_parity_bit_sets_pe_for_good_and_the_character_is_delivered():
+def test_a_wrong_parity_bit_sets_pe_until_a_reset_and_the_character_is_delivered():
     SciRig(**ODD).check("""
         > RXD      1  0  11010010 0  1  1  0  11010010 1  1  1
         > READ     .  .  ........ .  .  1  .  ........ .  .  .

@@ -1,6 +1,6 @@
-"""When the SCI looks at RXD: start search, votes, and how every frame is synchronised anew.
+"""Sampling of RXD: the search for a start bit, majority votes, and synchronisation to the start of each frame.
 
-In diagrams of one column an SCICLK, column n of a bit holds the bit's sub-sample n + 1 alone.
+In diagrams with one column per SCICLK, column n of a bit contains exactly its sub-sample n + 1.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ BITS_OF_0X4B = "11010010"
 
 
 def samples(text: str) -> str:
-    """Levels of one bit each, drawn as levels of one SCICLK each."""
+    """Return the levels of bits as levels of SCICLK periods."""
     return "".join(mark * 8 for mark in text.replace(" ", ""))
 
 
@@ -44,8 +44,8 @@ def test_a_start_bit_is_four_low_samples(low, found):
 
 @pytest.mark.rule("SCI-030")
 @pytest.mark.parametrize("high", [1, 2, 3])
-def test_one_high_sample_begins_the_search_anew(high):
-    # The start bit's first samples are noisy; the frame counts from the first of four low ones.
+def test_one_high_sample_restarts_the_search(high):
+    # The first samples of the start bit are noisy; the frame counts from the first of four consecutive low samples.
     rig = SciRig(fifo=True)
     rig.send_samples("0" * high + "1" + samples("0" + BITS_OF_0X4B + "1") + "1" * 8)
     assert rig.received() == [0x4B]
@@ -53,7 +53,7 @@ def test_one_high_sample_begins_the_search_anew(high):
 
 
 @pytest.mark.rule("SCI-030")
-def test_broken_starts_leave_no_trace():
+def test_incomplete_start_bits_have_no_effect():
     rig = SciRig(fifo=True, RXERRINTENA=1, RXBKINTENA=1, RXFFIENA=1, RXFFIL=1)
     rig.send_samples("0001" * 40 + "1" * 90)
     assert (rig.get("RXFFST"), rig.get("RXERROR"), rig.count("RXINT")) == (0, 0, 0)
@@ -62,7 +62,7 @@ def test_broken_starts_leave_no_trace():
 @pytest.mark.rule("SCI-031")
 @pytest.mark.parametrize("late", range(9))
 def test_bits_are_counted_from_the_first_low_sample(late):
-    # A frame that begins `late` samples later is read the same: nothing but its own edge counts.
+    # A frame that begins `late` samples later is received equally, because only its own edge counts.
     rig = SciRig(fifo=True)
     rig.send_samples("1" * late + samples("0" + BITS_OF_0X4B + "1") + "1" * 8)
     assert rig.received() == [0x4B]
@@ -127,7 +127,7 @@ def test_the_stop_bit_is_voted_on_at_4_5_and_6(stop_bit, fe):
 
 
 @pytest.mark.rule("SCI-037")
-def test_the_sampling_phase_lies_within_one_sciclk_of_the_edge():
+def test_the_sampling_phase_is_within_one_sciclk_of_the_edge():
     rig = SciRig(brr=24)
     latencies = []
     for phase in range(0, rig.sciclk, 7):
@@ -140,8 +140,8 @@ def test_the_sampling_phase_lies_within_one_sciclk_of_the_edge():
 
 
 @pytest.mark.rule("SCI-037")
-def test_every_frame_is_synchronised_anew():
-    # Ten frames, each a third of an SCICLK out of step with the one before: every one is a fresh start.
+def test_the_receiver_synchronises_to_every_frame():
+    # Each of ten frames has another phase than the one before, by a third of an SCICLK.
     rig = SciRig(fifo=True)
     for i in range(10):
         rig.send(frame(0x30 + i) + "1", at=rig.now + rig.sciclk // 3)
@@ -149,8 +149,8 @@ def test_every_frame_is_synchronised_anew():
 
 
 @pytest.mark.rule("SCI-037", "SCI-038")
-def test_a_sender_off_by_percents_is_followed_frame_by_frame():
-    # Without a gap a fast sender's stop bit must last to its second vote: 77 of 80 SCICLK, 3.75 % at the worst phase.
+def test_frames_of_a_sender_with_a_rate_error_of_percents_are_received():
+    # Without a gap, the stop bit of a fast sender must last until its second vote: 77 of 80 SCICLK, 3.75 % at worst.
     for skew in (0.965, 0.98, 1.0, 1.02, 1.04):
         rig = SciRig(fifo=True)
         for i in range(12):
@@ -178,7 +178,7 @@ def test_the_receiver_keeps_shifting_while_rxena_is_0():
 
 @settings(max_examples=60, deadline=None)
 @given(data=st.integers(0, 255), phase=st.integers(0, 799), skew=st.integers(-35, 35))
-def test_any_byte_at_any_phase_within_three_and_a_half_percent(data, phase, skew):
+def test_any_byte_is_received_at_any_phase_and_up_to_three_and_a_half_percent_rate_error(data, phase, skew):
     rig = SciRig()
     rig.send(frame(data) + "1", bit=rig.bit * (1 + skew / 1000), at=rig.now + phase)
     rig.wait(1)
@@ -187,7 +187,7 @@ def test_any_byte_at_any_phase_within_three_and_a_half_percent(data, phase, skew
 
 @settings(max_examples=30, deadline=None)
 @given(text=st.text("01", min_size=1, max_size=300))
-def test_no_noise_makes_it_lose_the_next_frame_after_ten_quiet_bits(text):
+def test_after_any_noise_and_ten_idle_bits_the_next_frame_is_received(text):
     rig = SciRig(fifo=True)
     rig.send_samples(text + "1" * 96)
     if rig.get("BRKDT"):
@@ -198,7 +198,7 @@ def test_no_noise_makes_it_lose_the_next_frame_after_ten_quiet_bits(text):
 
 
 def glitching(rig: SciRig, seed: int) -> None:
-    """From now on RXD moves to and fro within each cycle of an edge, before it is what it is."""
+    """Make RXD change at random within each later cycle of an edge, before it has its final level."""
     chance, pins = random.Random(seed), rig.chip.pins
 
     def corrected(now: int, level: int) -> int:
@@ -211,7 +211,7 @@ def glitching(rig: SciRig, seed: int) -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(data=st.lists(st.integers(0, 255), min_size=1, max_size=4), phase=st.integers(0, 799), seed=st.integers(0, 99))
-def test_what_rxd_does_within_a_cycle_is_never_seen(data, phase, seed):
+def test_changes_of_rxd_within_a_cycle_have_no_effect(data, phase, seed):
     rig = SciRig(fifo=True)
     glitching(rig, seed)
     for byte in data:

@@ -1,4 +1,4 @@
-"""The SCI tells in time when it is to be woken: nothing changes by itself in a cycle it has not asked for."""
+"""The SCI requests its wake-ups in time: nothing changes in a cycle without an input or a requested wake-up."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def make(kind: str) -> SciRig:
 
 
 def inputs(begin: int, words: list[int], kind: str) -> list[tuple[int, str, int]]:
-    """(time, signal, level): frames on RXD, one broken and one break, and writes to SCITXBUF, all out of step."""
+    """Return (time, signal, level) of frames, a framing error and a break on RXD, and of writes to SCITXBUF."""
     played: list[tuple[int, str, int]] = []
     address = 1 if kind == "address bit" else None
     text = "".join(frame(word, address=address) + "1" * (word % 3) for word in words)
@@ -45,7 +45,7 @@ def registers(rig: SciRig) -> list[int]:
 
 
 @pytest.mark.parametrize("kind", BUSY)
-def test_nothing_changes_in_a_cycle_nobody_asked_for(kind):
+def test_nothing_changes_in_a_cycle_without_input_or_due_wake_up(kind):
     rig = make(kind)
     due = inputs(rig.now, [0x4B, 0x00, 0xFF, 0x96], kind)
     end = due[-1][0] + 400
@@ -66,24 +66,24 @@ def test_nothing_changes_in_a_cycle_nobody_asked_for(kind):
 
 @settings(max_examples=15, deadline=None)
 @given(kind=st.sampled_from(list(BUSY)), words=st.lists(st.integers(0, 255), min_size=1, max_size=5))
-def test_early_wakes_and_looks_change_nothing(kind, words):
-    calm, nervous = make(kind), make(kind)
-    for rig in (calm, nervous):
+def test_early_wake_ups_and_debugger_reads_change_nothing(kind, words):
+    quiet, disturbed = make(kind), make(kind)
+    for rig in (quiet, disturbed):
         due = inputs(rig.now, words, kind)
         for time, signal, level in due:
-            while rig is nervous and rig.now + 7 < time:
+            while rig is disturbed and rig.now + 7 < time:
                 rig.wait(cycles=7)
                 rig.chip.wake(rig.now)
                 rig.look()
                 registers(rig)
             rig.drive(time, signal, level)
         rig.wait(30)
-    assert nervous.edges == calm.edges
-    assert (nervous.asked["RXINT"], nervous.asked["TXINT"]) == (calm.asked["RXINT"], calm.asked["TXINT"])
-    assert registers(nervous) == registers(calm)
+    assert disturbed.edges == quiet.edges
+    assert (disturbed.asked["RXINT"], disturbed.asked["TXINT"]) == (quiet.asked["RXINT"], quiet.asked["TXINT"])
+    assert registers(disturbed) == registers(quiet)
 
 
-def test_an_idle_module_asks_for_nothing():
+def test_an_idle_module_requests_no_wake_up():
     rig = SciRig(brr=487)
     rig.wait(40)
     woken = 0
@@ -94,27 +94,27 @@ def test_an_idle_module_asks_for_nothing():
 
 
 @pytest.mark.parametrize("kind", BUSY)
-def test_an_access_in_the_very_cycle_comes_after_what_the_hardware_does_in_it(kind):
-    # Accesses do not rely on the owner's wake: the one that comes first in a cycle finds all of it done.
-    told, untold = make(kind), make(kind)
-    due = inputs(told.now, [0x4B, 0x00], kind)
+def test_an_access_includes_changes_due_in_its_cycle(kind):
+    # An access that precedes the wake-up in the same cycle finds all changes of that cycle applied.
+    woken, not_woken = make(kind), make(kind)
+    due = inputs(woken.now, [0x4B, 0x00], kind)
     end = due[-1][0] + 400
-    while told.chip.next_wake < end or due:
-        now = told.chip.next_wake
+    while woken.chip.next_wake < end or due:
+        now = woken.chip.next_wake
         while due and due[0][0] <= now:
             time, signal, level = due.pop(0)
-            told.drive(time, signal, level)
-            untold.drive(time, signal, level)
-            now = told.chip.next_wake
+            woken.drive(time, signal, level)
+            not_woken.drive(time, signal, level)
+            now = woken.chip.next_wake
         if now >= end:
             continue
-        told.run_until(now)
-        untold.now = now
+        woken.run_until(now)
+        not_woken.now = now
         offset = SCI_MAP["SCIRXST"].offset
-        assert untold.chip.read(now, offset) == told.chip.read(now, offset)
-        untold.look()
-        assert registers(untold) == registers(told)
-        assert untold.chip.out == told.chip.out
+        assert not_woken.chip.read(now, offset) == woken.chip.read(now, offset)
+        not_woken.look()
+        assert registers(not_woken) == registers(woken)
+        assert not_woken.chip.out == woken.chip.out
 
 
 ANY_ACTION = st.one_of(
@@ -132,18 +132,18 @@ ANY_ACTION = st.one_of(
 
 @settings(max_examples=60, deadline=None)
 @given(script=st.lists(st.tuples(st.integers(0, 1500), ANY_ACTION), min_size=3, max_size=40))
-def test_whatever_firmware_and_line_do_early_wakes_and_looks_change_nothing(script):
-    calm, nervous = SciRig(brr=1), SciRig(brr=1)
+def test_early_wake_ups_and_debugger_reads_change_nothing_with_any_inputs(script):
+    quiet, disturbed = SciRig(brr=1), SciRig(brr=1)
     nap = 37
     for gap, (signal, level) in script:
-        time = calm.now + gap
-        calm.drive(time, signal, level)
-        while nervous.now + nap < time:
-            nervous.wait(cycles=nap)
-            nervous.chip.wake(nervous.now)
-            nervous.look()
-            registers(nervous)
-        nervous.drive(time, signal, level)
-        assert registers(nervous) == registers(calm)
-        assert nervous.edges == calm.edges
-        assert (nervous.asked["RXINT"], nervous.asked["TXINT"]) == (calm.asked["RXINT"], calm.asked["TXINT"])
+        time = quiet.now + gap
+        quiet.drive(time, signal, level)
+        while disturbed.now + nap < time:
+            disturbed.wait(cycles=nap)
+            disturbed.chip.wake(disturbed.now)
+            disturbed.look()
+            registers(disturbed)
+        disturbed.drive(time, signal, level)
+        assert registers(disturbed) == registers(quiet)
+        assert disturbed.edges == quiet.edges
+        assert (disturbed.asked["RXINT"], disturbed.asked["TXINT"]) == (quiet.asked["RXINT"], quiet.asked["TXINT"])

@@ -1,4 +1,4 @@
-"""The SPI's two FIFOs: counts, levels, interrupts, overflow, resets and the delay between words."""
+"""The two FIFOs of the SPI: counts, levels, interrupts, overflow, resets, and the delay between words."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ LOOP = {"SPICHAR": 3, "SPILBK": 1}
 
 
 def send(rig: SpiRig, *words: int) -> None:
-    """Four-bit characters through the loop-back, one after the other, until all have come."""
+    """Send four-bit characters through the loop-back, one after the other."""
     for word in words:
         rig.send(word << 12, 6)
 
 
 @pytest.mark.rule("SPI-058", "SPI-059", "SPI-060", "SPI-075", "SPI-084", "SPI-085")
-def test_words_are_counted_out_and_in():
+def test_txffst_and_rxffst_count_the_words():
     rig = SpiRig(fifo=True, **LOOP).check(
         """
         > SPITXBUF  .  1  2  3 . . .  . . . .  . . . .  .
@@ -49,7 +49,7 @@ def test_fifo_mode_can_be_left_and_entered_again():
 @pytest.mark.rule("SPI-058")
 def test_spitxbuf_and_the_fifo_keep_their_words_when_spiffena_changes():
     rig = SpiRig({}, SLAVE, SPIRST=1, TXFIFO=1)
-    rig.write("SPITXBUF", 0x3300)  # goes on to SPIDAT
+    rig.write("SPITXBUF", 0x3300)  # moves on to SPIDAT
     rig.write("SPITXBUF", 0x5500)
     rig.set(SPIFFENA=1)
     rig.write("SPITXBUF", 0xFF00)
@@ -86,9 +86,9 @@ def test_txfifo_0_leaves_the_character_that_is_being_sent():
 
 
 @pytest.mark.rule("SPI-062", "SPI-063", "SPI-064")
-def test_txffint_comes_as_the_fifo_runs_down():
+def test_txffint_is_set_when_the_count_falls_to_the_level():
     rig = SpiRig(fifo=True, **LOOP, TXFFIL=1, TXFFIENA=1, SPIINTENA=1)
-    rig.asked["TXINT"].clear()  # requested as the empty FIFO was turned on
+    rig.asked["TXINT"].clear()  # the request at enabling the empty FIFO
     rig.check(
         """
         > SPITXBUF    .  1  2  3 . . . . . . . . . . . .  .
@@ -104,7 +104,7 @@ def test_txffint_comes_as_the_fifo_runs_down():
 
 @pytest.mark.rule("SPI-062", "SPI-064")
 @pytest.mark.parametrize("level", [0, 1, 7, 16, 31])
-def test_txffint_by_level(level):
+def test_txffint_for_each_level(level):
     rig = SpiRig(fifo=True, TXFFIL=level)
     seen = []
     for word in range(17):
@@ -118,7 +118,7 @@ def test_txffint_by_level(level):
 
 
 @pytest.mark.rule("SPI-064")
-def test_txffiena_that_comes_with_spiffena_requests_at_once():
+def test_txffiena_set_together_with_spiffena_requests_at_once():
     rig = SpiRig()
     rig.write("SPIFFTX", 0xE020)
     assert len(rig.asked["TXINT"]) == 1
@@ -137,7 +137,7 @@ def test_fifo_mode_entered_with_a_flag_and_its_enable_requests(register, line, v
 
 
 @pytest.mark.rule("SPI-065", "SPI-067", "SPI-068", "SPI-069", "SPI-073")
-def test_rxffint_comes_as_the_fifo_fills():
+def test_rxffint_is_set_when_the_count_rises_to_the_level():
     SpiRig(fifo=True, **LOOP, RXFFIL=2, RXFFIENA=1, SPIINTENA=1, OVERRUNINTENA=1).check(
         """
         > SPITXBUF    1  .....  2  .....  .  .  3  .....  .
@@ -153,7 +153,7 @@ def test_rxffint_comes_as_the_fifo_fills():
 
 @pytest.mark.rule("SPI-067")
 @pytest.mark.parametrize("level", [0, 1, 5, 16, 17, 31])
-def test_rxffint_by_level(level):
+def test_rxffint_for_each_level(level):
     rig = SpiRig(fifo=True, **LOOP, RXFFIL=level)
     seen = []
     for word in range(17):
@@ -208,18 +208,18 @@ def test_rxfiforeset_0_holds_the_receive_fifo_empty():
 
 
 @pytest.mark.rule("SPI-065")
-def test_spirxemu_shows_the_oldest_word_and_takes_none():
+def test_spirxemu_reads_the_oldest_word_without_removing_it():
     rig = SpiRig(fifo=True, **LOOP)
     send(rig, 1, 2)
     assert [rig.read("SPIRXEMU") & 0xF for _ in range(3)] == [1, 1, 1]
     assert [rig.read("SPIRXBUF") & 0xF for _ in range(2)] == [1, 2]
-    assert rig.read("SPIRXEMU") & 0xF == 2  # the last word
+    assert rig.read("SPIRXEMU") & 0xF == 2  # the last word again
 
 
 @given(st.lists(st.tuples(st.sampled_from(["write", "wait", "read"]), st.integers(0, 15)), max_size=60))
 @pytest.mark.rule("SPI-059", "SPI-060", "SPI-065", "SPI-085")
 def test_no_word_is_lost_or_doubled(steps):
-    """A list is the FIFO: what is written and not lost comes back in order."""
+    """All words that are written and not lost are received in order."""
     rig = SpiRig(fifo=True, **LOOP)
     written: list[int] = []
     read: list[int] = []
@@ -243,14 +243,14 @@ def test_no_word_is_lost_or_doubled(steps):
 
 
 def gaps(rig: SpiRig) -> list[int]:
-    """Bits between the last edge of a character and the first of the next, half a bit taken off."""
+    """Return the pauses between characters in bits, from last edge to first edge minus half a bit."""
     edges = [time for (_, before), (time, after) in pairwise(rig.edges) if (before ^ after) & 4]
     return [(after - before - HALF) // BIT for before, after in pairwise(edges) if after - before > HALF]
 
 
 @pytest.mark.rule("SPI-074", "SPI-075")
 @pytest.mark.parametrize("delay", [0, 1, 5, 255])
-def test_txdly_keeps_words_apart(delay):
+def test_txdly_is_the_pause_between_words(delay):
     rig = SpiRig(fifo=True, **LOOP, TXDLY=delay)
     rig.write("SPITXBUF", *(word << 12 for word in (1, 2, 3)))
     rig.wait(3 * 4 + 2 * delay + 2)

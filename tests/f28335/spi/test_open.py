@@ -1,6 +1,6 @@
-"""Open questions about the SPI: one test for each option, run for each of its values.
+"""Open questions about the SPI: one test for each option, run with each of its values.
 
-A change of mind about a default, or about what a value means, shows up here.
+A changed default or a changed meaning of a value makes a test fail.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ def rig_with(
 
 
 def selected(option: str, value: str | int | bool, **fields: int) -> SpiRig:
-    """A slave whose SPISTE is low."""
+    """Return a rig of a slave whose SPISTE is low."""
     return rig_with(option, value, SLAVE, **fields).select_idle()
 
 
-def test_every_option_has_its_test_and_every_value_is_in_it():
+def test_every_option_has_a_test_with_every_value():
     check_tests_of(SpiOptions, __name__)
 
 
@@ -70,7 +70,7 @@ def test_open_ste_lead(value, halves):
     for phase in (0, 1):
         rig = rig_with("ste_lead", value, CLK_PHASE=phase)
         rig.pin(rig.now, SOMI=0)
-        for word in (0, 0):  # the second follows without another lead
+        for word in (0, 0):  # the second word follows without another lead time
             rig.write("SPITXBUF", word)
         rig.wait(20)
         times = [time for time, _ in rig.edges]
@@ -155,7 +155,7 @@ def test_open_fifo_int_mode(value, flag):
     rig.read("SPIRXBUF")
     rig.set(RXFFINTCLR=1)
     rig.send(0x5000, 6)
-    assert rig.get("RXFFINT") == 1  # the level is reached anew
+    assert rig.get("RXFFINT") == 1  # the count reaches the level again
 
 
 @pytest.mark.rule("SPI-072")
@@ -202,7 +202,7 @@ def test_open_rxfifo_read_when_empty(value, read):
 
 @pytest.mark.parametrize("value", [0, 3, 16])
 def test_open_input_latency(value):
-    """SPISOMI follows an edge of SPICLK that late, and what was at SPISIMO with the edge is latched."""
+    """SPISOMI changes `value` cycles after an edge of SPICLK; SPISIMO is latched with its level at the edge."""
     rig = selected("input_latency", value)
     assert rig.chip.filter_width == value
     rig.send(0x8000, 4)
@@ -220,7 +220,7 @@ def test_open_input_latency(value):
     assert rig.peek("SPIDAT") == 0
 
 
-def test_with_a_latency_a_later_call_in_a_cycle_takes_the_place_of_the_first():
+def test_with_a_latency_the_last_level_of_a_cycle_counts():
     rig = SpiRig({"input_latency": 2}, SLAVE)
     rig.pin(rig.now + 1, CLK=0)
     for levels in ({"STE": 0}, {"STE": 1}, {"STE": 0}):
@@ -230,7 +230,7 @@ def test_with_a_latency_a_later_call_in_a_cycle_takes_the_place_of_the_first():
     assert [level for _, level in rig.edges] == [0b1111, 0b1101]
 
 
-def test_with_a_latency_a_pulse_within_a_cycle_is_no_clock():
+def test_with_a_latency_a_clock_pulse_within_a_cycle_is_ignored():
     rig = SpiRig({"input_latency": 2}, SLAVE).select_idle()
     begin = rig.now + 9
     rig.pin(begin, CLK=1)
@@ -254,7 +254,7 @@ def test_open_ste_high_mid_character(value, came):
 
 
 @pytest.mark.parametrize(("value", "came"), [("keeps_count", 0b1000_0000), ("restarts", 0)])
-def test_ste_high_after_one_bit(value, came):
+def test_spiste_high_after_one_bit(value, came):
     rig = selected("ste_high_mid_character", value)
     rig.clock("1")
     rig.select(False)
@@ -283,7 +283,7 @@ def test_open_spirst_clears_fifos(value, kept):
 
 
 def fifos_after(option: str, value: bool, reset: str) -> dict[str, int]:
-    """Counts and flags once this bit was 0, of a transmit FIFO with one word and a receive FIFO that overran."""
+    """Return counts and flags after a reset bit was 0; before, TXFIFO had one word and RXFIFO had overflowed."""
     rig = rig_with(option, value, fifo=True, **LOOP, RXFFIL=1)
     for _ in range(17):
         rig.send(0x5000, 6)

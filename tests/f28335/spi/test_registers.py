@@ -1,4 +1,4 @@
-"""The SPI's registers as the CPU sees them: reset values, reserved and read-only bits, strobes, the clock gate."""
+"""Registers of the SPI in CPU accesses: reset values, reserved and read-only bits, strobes, the clock gate."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from periph_sim.f28335.spi.register_map import BASE, SPI_MAP
 from tests.f28335.module_rig import ModuleRig
 from tests.f28335.spi_rig import LSPCLK, MASTER, SLAVE, SpiRig
 
-# SPRUEU3 chapter 2, typed a second time on purpose: (offset, reset value, bits that software owns).
+# SPRUEU3 chapter 2, copied independently of the model: (offset, reset value, bits that software can write).
 MANUAL = {
     "SPICCR": (0x0, 0x0000, 0x00DF),
     "SPICTL": (0x1, 0x0000, 0x001F),
@@ -27,7 +27,7 @@ MANUAL = {
 
 
 def in_the_middle_of_everything() -> SpiRig:
-    """Words in both FIFOs, an overflow, and a character under way."""
+    """Return a rig with words in both FIFOs, an overflow, and a character being sent."""
     rig = SpiRig(fifo=True, RXFFIL=2, TXFFIL=3, SPIFFCT=0xFF, SPILBK=1, SPIPRI=0x30, SPICTL=0x1F)
     rig.set(TXDLY=0)
     rig.write("SPITXBUF", *(word << 8 for word in range(17)))
@@ -55,7 +55,7 @@ def test_reset_value(register):
 
 @pytest.mark.rule("SPI-005", "SPI-006")
 @pytest.mark.parametrize("register", MANUAL)
-def test_software_owns_its_bits_and_no_others(register):
+def test_only_the_writable_bits_change(register):
     _, reset, owned = MANUAL[register]
     rig = SpiRig({}, {})
     rig.write(register, 0xFFFF & ~(0x4000 if register == "SPIFFTX" else 0))
@@ -70,7 +70,7 @@ def test_software_owns_its_bits_and_no_others(register):
 
 
 @pytest.mark.rule("SPI-007")
-def test_read_only_fields_take_no_write():
+def test_read_only_fields_ignore_writes():
     rig = in_the_middle_of_everything()
     names = ["TXFFST", "TXFFINT", "RXFFST", "RXFFINT", "RXFFOVF", "RXB", "ERXB", "INT_FLAG", "BUFFULL_FLAG"]
     before = rig.flags(*names)
@@ -114,13 +114,13 @@ def test_without_a_clock_nothing_is_read_written_or_sent():
     ]
 
 
-def test_a_module_is_a_module_without_a_clock_after_reset():
+def test_the_module_has_no_clock_after_a_reset():
     rig = SpiRig()
     rig.chip.reset(rig.now)
     assert rig.read("SPIFFTX") == 0
 
 
-def test_spirxbuf_and_spitxbuf_say_that_they_took_a_word():
+def test_new_words_in_spirxbuf_and_spitxbuf_are_reported_in_loaded():
     rig = SpiRig(SPILBK=1)
     rig.chip.loaded = 0
     rig.write("SPITXBUF", 0x5500)
@@ -129,7 +129,7 @@ def test_spirxbuf_and_spitxbuf_say_that_they_took_a_word():
     assert (written, rig.chip.loaded) == (1 << 8, 1 << 8 | 1 << 7 | 1 << 6)
 
 
-def test_reading_the_fifo_says_that_spirxbuf_shows_another_word():
+def test_a_read_of_the_fifo_reports_the_next_word_in_loaded():
     rig = SpiRig(fifo=True, SPILBK=1)
     shown = []
     for _ in range(2):
@@ -145,7 +145,7 @@ def test_reading_the_fifo_says_that_spirxbuf_shows_another_word():
 
 
 @pytest.mark.rule("SPI-086")
-def test_the_configuration_is_to_be_changed_while_spiswreset_is_0():
+def test_a_change_of_the_configuration_while_spiswreset_is_1_is_noted():
     changes = {"SPICHAR": 3, "CLKPOLARITY": 1, "SPILBK": 1, "CLK_PHASE": 1, "MASTER_SLAVE": 0, "SPIBRR": 9}
     text = "SPI-A: its configuration was changed while SPISWRESET = 1; clear SPISWRESET first"
     for name, value in changes.items():
@@ -158,17 +158,17 @@ def test_the_configuration_is_to_be_changed_while_spiswreset_is_0():
         assert (name, rig.notes("duty")) == (name, [])
 
 
-def test_the_configuration_may_come_with_the_write_that_sets_spiswreset():
+def test_the_write_that_sets_spiswreset_may_change_the_configuration():
     rig = SpiRig({}, {**SLAVE, "SPISWRESET": 0})
     rig.write("SPICCR", 0x00DF)
     assert rig.notes("duty") == []
 
 
-def test_a_configuration_that_is_written_again_is_not_changed():
+def test_writing_the_same_configuration_is_not_noted():
     rig = SpiRig()
     for name in ("SPICCR", "SPICTL", "SPIBRR"):
         rig.write(name, rig.peek(name))
-    rig.write("SPIBRR", 0xFF80 | rig.peek("SPIBRR"))  # bits that are not there
+    rig.write("SPIBRR", 0xFF80 | rig.peek("SPIBRR"))  # bits that do not exist
     assert rig.notes("duty") == []
 
 
@@ -178,7 +178,7 @@ def test_a_new_module_drives_no_pin_and_has_no_clock():
 
 
 @pytest.mark.parametrize("access", ["read", "peek", "write"])
-def test_what_was_due_before_an_access_is_done_first(access):
+def test_changes_due_before_an_access_are_applied_first(access):
     rig = SpiRig(SPICHAR=0)
     rig.pin(rig.now, SOMI=0)
     rig.write("SPIDAT", 0x0001)
@@ -186,6 +186,6 @@ def test_what_was_due_before_an_access_is_done_first(access):
     rig.levels = 0b1111
     if access == "write":
         rig.chip.write(later, SPI_MAP["SPICTL"].offset, 0x07)
-        assert rig.chip.requests == 1  # INT_FLAG stood as SPIINTENA came
+        assert rig.chip.requests == 1  # INT_FLAG was 1 when SPIINTENA was set
     else:
         assert getattr(rig.chip, access)(later, SPI_MAP["SPIRXBUF"].offset) == 2

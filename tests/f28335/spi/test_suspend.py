@@ -1,4 +1,4 @@
-"""Debugger stops by SOFT and FREE, and the clock gate, during transfers of the SPI."""
+"""Suspension by a debugger, with each value of SOFT and FREE, and the clock gate during transfers of the SPI."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FOUR = {"SPICHAR": 3, "SPILBK": 1}
 
 @pytest.mark.rule("SPI-078", "SPI-079")
 def test_soft_0_free_0_freezes_a_character_and_a_whole_one_follows():
-    """Two of four bits are sent, then the third, and three beside it."""
+    """Two of four bits are sent before the suspension, and the character is completed after it."""
     rig = SpiRig(SPICHAR=3)
     rig.pin(rig.now, SOMI=0)
     rig.check("""
@@ -37,7 +37,7 @@ def test_soft_0_free_0_freezes_a_slave():
 
 @pytest.mark.rule("SPI-080")
 @pytest.mark.parametrize("soft", [0, 1])
-def test_a_transfer_does_not_begin_before_the_stop_is_over(soft):
+def test_a_transfer_does_not_begin_during_a_suspension(soft):
     SpiRig(**FOUR, SOFT=soft).check("""
         > SPITXBUF  .  5  . . . . .  . . . . . . . .  . .
         > SUSPEND   .  .  1 . . . 0  . . . . . . . .  . .
@@ -48,7 +48,7 @@ def test_a_transfer_does_not_begin_before_the_stop_is_over(soft):
 
 @pytest.mark.rule("SPI-081")
 @pytest.mark.parametrize("phase", [0, 1])
-def test_soft_1_sends_the_character_and_the_one_that_waits(phase):
+def test_soft_1_sends_the_character_and_the_waiting_one(phase):
     rig = SpiRig(**FOUR, CLK_PHASE=phase, SOFT=1, SPIINTENA=1)
     rig.write("SPITXBUF", *(word << 12 for word in (5, 6)))
     rig.wait(1.2)
@@ -57,7 +57,7 @@ def test_soft_1_sends_the_character_and_the_one_that_waits(phase):
     rig.wait(12)
     assert rig.flags("SPIRXBUF", "OVERRUN_FLAG") == {"SPIRXBUF": 6, "OVERRUN_FLAG": 1}
     assert (rig.show("STE"), rig.show("CLK")) == (1, 0)
-    rig.write("SPITXBUF", 0x7000)  # by the debugger: it waits
+    rig.write("SPITXBUF", 0x7000)  # written during the suspension: it waits
     edges = len(rig.edges)
     rig.wait(12)
     assert len(rig.edges) == edges
@@ -68,8 +68,8 @@ def test_soft_1_sends_the_character_and_the_one_that_waits(phase):
 
 @pytest.mark.rule("SPI-082")
 @pytest.mark.parametrize("at", [1.2, 4.7, 6.0])
-def test_soft_1_sends_the_fifo_to_its_end(at):
-    """The stop comes within the first word, between two, or within TXDLY."""
+def test_soft_1_sends_all_words_of_the_fifo(at):
+    """The suspension begins within the first word, between two words, or within the delay TXDLY."""
     rig = SpiRig(**FOUR, fifo=True, SOFT=1, SPIFFCT=0 if at < 5 else 3)
     rig.write("SPITXBUF", *(word << 12 for word in range(5)))
     rig.wait(at)
@@ -96,7 +96,7 @@ def test_soft_1_stops_a_slave_between_characters_at_once():
 
 @pytest.mark.rule("SPI-083")
 @pytest.mark.parametrize("soft", [0, 1])
-def test_free_1_runs_on(soft):
+def test_free_1_continues_transfers(soft):
     rig = SpiRig(**FOUR, fifo=True, SOFT=soft, FREE=1)
     rig.write("SPITXBUF", *(word << 12 for word in range(3)))
     rig.wait(1.2)
@@ -139,7 +139,7 @@ def test_soft_1_lets_a_slave_finish_after_any_bit(bits):
 
 
 @pytest.mark.parametrize("stop", ["gate", "suspend", "set_lspclk"])
-def test_what_was_due_before_a_stop_is_done_first(stop):
+def test_changes_due_before_a_stop_are_applied_first(stop):
     rig = SpiRig()
     rig.pin(rig.now, SOMI=0)
     rig.write("SPIDAT", 0xFF00)

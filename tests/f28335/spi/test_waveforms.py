@@ -1,4 +1,4 @@
-"""Pins of a master: the four schemes of SPICLK, rates, the longer half of odd dividers, and SPISTE."""
+"""Pins of an SPI master: the four schemes of SPICLK, rates, the longer half period of odd dividers, and SPISTE."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from tests.f28335.spi_rig import HALF, LSPCLK, SCHEMES, SpiRig
 from tests.waves import play, tidy
 
-# Columns are half bits of 1010, written in the first.
+# Columns are half bits of 1010, which is written in the first column.
 SCHEME = {
     (0, 0): """
         > SPITXBUF  .  a  . . . . . . . . .  .
@@ -52,11 +52,11 @@ SCHEME = {
         pytest.param((1, 1), marks=pytest.mark.rule("SPI-035")),
     ],
 )
-def test_scheme(scheme):
+def test_pins_in_each_clocking_scheme(scheme):
     SpiRig(CLKPOLARITY=scheme[0], CLK_PHASE=scheme[1], SPICHAR=3).check(SCHEME[scheme])
 
 
-# The master latches 1 0 1 from SOMI, which changes in the middle between two latches.
+# The master latches 1 0 1 from SOMI, which changes midway between two latching edges.
 LATCHES = {
     0: """
         > SPITXBUF  7  . . . . . . .  .
@@ -75,12 +75,12 @@ LATCHES = {
 
 @pytest.mark.rule("SPI-032", "SPI-033")
 @pytest.mark.parametrize("phase", [0, 1])
-def test_the_master_latches_at_the_other_edge(phase):
+def test_the_master_latches_at_the_edge_opposite_to_the_output_edge(phase):
     rig = SpiRig(CLK_PHASE=phase, SPICHAR=2)
     assert play(LATCHES[phase], rig, HALF, rig.now) == tidy(LATCHES[phase])
 
 
-# Columns are LSPCLK cycles; SPIBRR = 4 gives five of them, two at the active level and three at the other.
+# Columns are LSPCLK cycles; with SPIBRR = 4, a bit has five of them: two active and three inactive.
 ODD = {
     (0, 0): """
         > SPITXBUF  a ..  .. ... .. ...  .
@@ -111,7 +111,7 @@ ODD = {
 
 @pytest.mark.rule("SPI-037", "SPI-038")
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_odd_divider(scheme):
+def test_pins_with_an_odd_divider(scheme):
     rig = SpiRig(CLKPOLARITY=scheme[0], CLK_PHASE=scheme[1], SPICHAR=1, SPIBRR=4)
     assert play(ODD[scheme], rig, LSPCLK, rig.now) == tidy(ODD[scheme])
 
@@ -130,7 +130,7 @@ def clock_edges(rig: SpiRig) -> list[int]:
 @pytest.mark.parametrize(
     ("brr", "first", "second"), [(0, 2, 2), (1, 2, 2), (2, 2, 2), (3, 2, 2), (4, 2, 3), (5, 3, 3), (127, 64, 64)]
 )
-def test_rate(brr, first, second):
+def test_the_rate_depends_on_spibrr(brr, first, second):
     rig = SpiRig(SPIBRR=brr, SPICHAR=15)
     edges = clock_edges(rig)
     pulses = [(after - before) // LSPCLK for before, after in pairwise(edges)]
@@ -139,7 +139,7 @@ def test_rate(brr, first, second):
 
 @pytest.mark.rule("SPI-029")
 @pytest.mark.parametrize("divider", [1, 2, 4, 6, 8, 10, 12, 14])
-def test_rate_follows_lspclk(divider):
+def test_the_rate_follows_lspclk(divider):
     rig = SpiRig(SPIBRR=3)
     rig.chip.set_lspclk(rig.now, divider, 1)
     rig.send(0, 20 * divider)
@@ -149,7 +149,7 @@ def test_rate_follows_lspclk(divider):
 
 
 @pytest.mark.parametrize("divider", [0, 3, 5, 15, 16])
-def test_no_other_dividers_of_lspclk(divider):
+def test_other_dividers_of_lspclk_are_refused(divider):
     with pytest.raises(ValueError, match=f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}"):
         SpiRig().chip.set_lspclk(100, divider, 0)
 
@@ -157,7 +157,7 @@ def test_no_other_dividers_of_lspclk(divider):
 def test_a_change_of_lspclk_keeps_the_lspclk_cycles_to_the_next_edge():
     rig = SpiRig(SPIBRR=9)
     rig.write("SPITXBUF", 0)
-    rig.run_until(rig.now + 1 + 2 * LSPCLK)  # SPISTE fell two LSPCLK cycles ago, SPICLK rises in three
+    rig.run_until(rig.now + 1 + 2 * LSPCLK)  # SPISTE fell two LSPCLK cycles ago; SPICLK rises in three
     rig.chip.set_lspclk(rig.now, 10, rig.now)
     rig.run_until(rig.now + 29)
     before = rig.show("CLK")
@@ -211,7 +211,7 @@ def test_a_write_to_spidat_begins_a_transfer_too():
     """)
 
 
-def test_a_character_written_while_spiste_is_still_low_begins_without_a_rise():
+def test_a_character_written_while_spiste_is_still_low_keeps_it_low():
     rig = SpiRig(SPICHAR=1)
     begin = rig.now
     rig.check(
@@ -227,7 +227,7 @@ def test_a_character_written_while_spiste_is_still_low_begins_without_a_rise():
 
 
 @pytest.mark.rule("SPI-019", "SPI-020", "SPI-021")
-def test_talk_0_leaves_simo_undriven_and_goes_on():
+def test_talk_0_leaves_simo_undriven_and_continues_the_transfer():
     rig = SpiRig(SPICHAR=3).check("""
         > SPITXBUF  .  5  . . . . . . . .  .
         > TALK      .  .  . . . 0 . . . .  .
@@ -237,7 +237,7 @@ def test_talk_0_leaves_simo_undriven_and_goes_on():
         < INT_FLAG  0  .  . . . . . . . 1  .
         < SPIRXBUF  0  .  . . . . . . . f  .
     """)
-    rig.write("SPITXBUF", 0)  # a transfer with TALK = 0 from its beginning
+    rig.write("SPITXBUF", 0)  # a transfer that begins with TALK = 0
     rig.pin(rig.now, SOMI=0)
     rig.wait(6)
     assert rig.show("SPIRXBUF") == 0

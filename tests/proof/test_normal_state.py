@@ -13,8 +13,9 @@ import pytest
 
 from periph_sim.core.chip import NEVER
 from periph_sim.core.records import RECORDED, Record
-from periph_sim.core.snapshot import Snapshot
+from periph_sim.core.snapshot import Module, Snapshot
 from periph_sim.core.state import State, Time, state_of
+from periph_sim.f28335.sci.clock import SciClock
 from periph_sim.proof.normal_state import LONG_PAST, NormalCollector
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
@@ -111,3 +112,15 @@ def test_what_the_normal_form_leaves_out_has_no_effect(name: str):
         assert records_of(case, snapshot, lambda scene: changed.update(change_left_out(scene, random))) == as_it_was
         assert as_it_was or name == "variants/image_rtc"
     assert len(changed) > 8
+
+
+def test_only_a_running_clock_repeats():
+    """A running clock of the SCI is equal after its period of 8 cycles, and a stopped one is equal in each cycle."""
+    past = {Time.TICKS: 1000, Time.CYCLES: 1000}
+    clock = SciClock()
+    for is_running, equal, periods in ((False, [*range(17)], {}), (True, [0, 8, 16], {"clock._cycle": 8})):
+        if is_running:
+            clock.start(0)
+        found = [NormalCollector({"clock": Module(clock, 5 + cycle)}, 0, past, ()) for cycle in range(17)]
+        assert [cycle for cycle in range(17) if found[cycle].values == found[0].values] == equal
+        assert found[0].periods == periods

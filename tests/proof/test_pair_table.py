@@ -432,11 +432,6 @@ def test_a_meeting_in_a_cell_with_another_effect_is_noticed(
         invented(tmp_path, monkeypatch, run_of).make()
 
 
-def test_runs_agree_if_the_rest_that_they_reach_and_what_happens_until_then_are_equal():
-    different = {name for name in GroupRun._fields if not LIKE.is_like(LIKE._replace(**{name: 2}))}
-    assert different == {"after", "shift", "main", "routine", "delay"}
-
-
 def test_a_frame_in_the_middle_of_a_sample_with_another_effect_is_noticed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.chip import NEVER
+from periph_sim.core.records import Kind, Record
 from periph_sim.proof import pair_groups
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.normal_state import NormalState
@@ -127,6 +128,20 @@ def test_a_group_without_one_service_routine_for_each_frame_is_refused(group: Gr
     runner.services = services
     with pytest.raises(NotClosed, match=f"a frame has {services} service routines of the SCI, not one"):
         runner.run_group(group)
+
+
+def test_the_request_of_a_frame_is_the_last_rise_of_a_flag_of_a_receiver():
+    requested = [0]
+    for tick, what, value in (
+        (10, "PIEIFR9.INTx1", 1),
+        (20, "PIEIFR9.INTx1", 0),
+        (30, "PIEIFR9.INTx2", 1),
+        (40, "PIEIFR9.INTx3", 1),
+        (50, "PIEIFR8.INTx5", 1),
+        (60, "PIEIFR8.INTx1", 1),
+    ):
+        pair_groups._note_request(requested, Record(0, tick, Kind.FLAG, "dsp.PIE", what, value, "", 0))
+        assert requested[0] == {10: 10, 20: 10, 30: 10, 40: 40, 50: 50, 60: 50}[tick]
 
 
 def test_runs_agree_if_the_rest_that_they_reach_and_what_happens_until_then_are_equal():

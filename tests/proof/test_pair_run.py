@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from periph_sim.core.records import Kind
 from periph_sim.proof import pair_run
 from periph_sim.proof.pair_groups import Group, GroupRun, Orbits
 from periph_sim.proof.pair_run import Known, PairRun, Task
@@ -47,6 +48,8 @@ def test_each_run_of_a_scene_is_judged(monkeypatch: pytest.MonkeyPatch):
     done, names = pair.done, {"0", "1", "2", "3"}
     assert [outcome.failures for outcome in done.outcomes] == [{name} for name in sorted(names)]
     assert (done.frames, done.rounds) == ([one.run.frames for one in runners], [[]] * 4)
+    # on the way to orbit 2, a group like the last one and a new run are tried in turn
+    assert list(map(len, done.frames)) == [1 + 2, 1 + 1, 1, 1 + 1]
     assert done.spanning == done.unknowns == {name for _, name in done.empty} == names
     assert done.data_use == "use 0"
 
@@ -69,3 +72,19 @@ def test_groups_of_two_orbits_are_run_in_turn_if_each_group_leads_to_the_other_o
     runs = PairRun(covered, (), Known(Orbits(), None, {})).run_all(tasks)
     assert begun == [0, 3, 1, 4, 2, 5]
     assert [one.length for one in runs] == [*range(6)]
+
+
+def test_the_measures_rest_after_a_round_a_frame_or_both(monkeypatch: pytest.MonkeyPatch):
+    """A frame can lead to records of the firmware before the next START, so only the bus is idle until then."""
+    after_start: list[list[Kind]] = []
+    rests: list[tuple[int, list[str]]] = []
+    measures = SimpleNamespace(rest=lambda now, starts: rests.append((now, [*starts])))
+    monkeypatch.setattr(pair_run, "MeasuresAtRest", lambda _, kinds: after_start.append(kinds) or measures)
+    run = SimpleNamespace(scene=SimpleNamespace(limits=[], start=0), now=5, frames=[], rounds=[])
+    runner: Any = SimpleNamespace(at=(0, 0), run=run, run_group=lambda *_: GroupRun(0, 0, 0, 0, 0, 0, True))
+    monkeypatch.setattr(pair_run, "GroupRunner", lambda *_: runner)
+    covered: Any = SimpleNamespace()
+    pair = PairRun(covered, (), Known(Orbits(), None, {}))
+    pair.run_all([Task(0, group, 0, None) for group in (Group(0, None), Group(None, 0), Group(0, 0))])
+    assert rests == [(5, ["rounds", "frames"]), (5, ["rounds"]), (5, ["frames"]), (5, ["rounds", "frames"])]
+    assert after_start == [[Kind.BUS]]

@@ -134,6 +134,16 @@ def test_the_phases_between_two_times_lie_between_them(one: Fraction, two: Fract
     assert found.seconds(high) <= last < found.seconds(high + 1) or high == found.count - 1
 
 
+def test_the_least_distance_of_starts_is_a_period_without_jitter_and_with_a_fast_clock() -> None:
+    """A period has 60,000,000 ticks. With a clock error of 0.2 ppm, 21 ms differ by 12.6 ticks, counted twice."""
+    rounds = {**REQUEST, "jitter": "1 ms"}
+    found = phases(controller=rounds)
+    assert found.least_distance() == 57_000_000
+    assert found.least_distance(Fraction(1, 5)) == 57_000_000 - 26
+    assert phases(host={"jitter": "2 ms"}, controller=rounds).least_distance(Fraction(1, 5)) == 54_000_000
+    assert phases(host={"period": "30 ms"}, controller=rounds).least_distance() == 57_000_000
+
+
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "no firmware": ({"unit": {}, "controller": REQUEST}, r"there is no firmware to cover; give it a \[unit\.NAME\]"),
     "a fault": ({"host": {}, "fault": [{"line": "RX", "at": "1 ms", "length": "1 ms"}]}, "does not move the times of"),

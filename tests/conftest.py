@@ -145,8 +145,8 @@ UNCOUNTED = (
     "tests/form/test_c_checks.py::test_every_array_declaration_of_the_package_is_read",
     "tests/form/test_source_copy.py::test_every_free_list_of_the_package_is_inserted",
     # Large inputs.
-    "tests/traces/formats/test_sigrok_sr.py::test_memory_follows_the_edges_and_not_the_length",
-    "tests/traces/formats/test_vcd.py::test_a_line_without_end_and_too_many_changes_are_refused",
+    "tests/traces/formats/test_sigrok_sr.py::test_the_memory_needed_depends_on_the_edges_and_not_on_the_length",
+    "tests/traces/formats/test_vcd.py::test_a_line_without_an_end_and_too_many_changes_are_rejected",
 )
 
 

@@ -1,4 +1,4 @@
-"""The Capture: levels, look-ups, unknown spans, and what a rate may look like."""
+"""The class Capture: levels, look-up of channels, unknown spans, pulses; and rates as text."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_levels_at_and_before_an_edge():
 
 
 @given(STATES)
-def test_states_come_back_as_levels_where_they_are_known(states: list[int | None]):
+def test_states_are_returned_as_levels_where_they_are_known(states: list[int | None]):
     line = channel_of("a", 0, range(len(states)), states, len(states))
     unknown = {place for hole in line.unknown for place in range(*hole)}
     assert unknown == {place for place, state in enumerate(states) if state is None}
@@ -52,12 +52,12 @@ def test_a_cut_keeps_the_levels_within(states: list[int | None], begin: int, end
         assert all(begin < edge < end for edge in part.edges.tolist())
 
 
-def test_of_several_states_at_one_position_the_last_counts():
+def test_the_last_of_several_states_at_one_position_is_kept():
     line = channel_of("a", 0, [0, 4, 4, 6, 6], [1, 0, 1, 0, 0], 8)
     assert (line.initial, line.edges.tolist(), line.levels.tolist()) == (1, [6], [0])
 
 
-def test_known_spans_are_those_of_all_channels_asked_for():
+def test_known_spans_are_those_in_which_all_given_channels_are_known():
     a = channel_of("a", 0, [0, 2, 4], [1, None, 0], 10)
     b = channel_of("b", 1, [3, 8], [1, None], 10)
     both = capture(a, b)
@@ -67,12 +67,12 @@ def test_known_spans_are_those_of_all_channels_asked_for():
     assert both.known() == [Span(0, 10)]
 
 
-def test_a_line_that_never_says_a_level_is_unknown_throughout():
+def test_a_line_without_any_level_is_unknown_throughout():
     line = channel_of("a", 0, [], [], 10)
     assert line.unknown == (Span(0, 10),) and capture(line).known(line) == []
 
 
-def test_channels_by_name_last_part_of_a_name_index_and_digits():
+def test_channels_are_found_by_name_last_part_of_a_name_index_and_digits():
     lines = capture(*(channel_of(name, n, [0], [1], 10) for n, name in enumerate(["tb.scl", "tb.sda", "5", "SCL"])))
     assert [lines.channel(key).index for key in ("tb.scl", "sda", "5", "SCL", "3", 1)] == [0, 1, 2, 3, 3, 1]
 
@@ -85,7 +85,7 @@ def test_channels_by_name_last_part_of_a_name_index_and_digits():
         ("dup", "x.sr: 'dup' names 2 channels: dup (index 2), dup (index 3)"),
     ],
 )
-def test_a_wrong_channel_names_the_right_ones(key: str | int, message: str):
+def test_an_unknown_or_ambiguous_channel_is_rejected_with_the_existing_ones(key: str | int, message: str):
     lines = capture(*(channel_of(name, n, [0], [1], 10) for n, name in enumerate(["SCL", "SDA", "dup", "dup"])))
     assert refusal(LookupError, lines.channel, key) == message
 
@@ -109,12 +109,12 @@ def test_rates_are_exact(text: str, rate: int | Fraction):
 
 
 @pytest.mark.parametrize("text", ["", "fast", "4 MBd", "-1 Hz", "1e999999999"])
-def test_what_is_no_rate_is_refused(text: str):
+def test_invalid_rates_are_rejected(text: str):
     with pytest.raises(ValueError, match="is no sample rate; expected a number with or without Hz, kHz, MHz or GHz"):
         rate_of(text)
 
 
-def test_what_a_damaged_file_holds_cannot_break_the_sentence():
+def test_control_characters_of_a_damaged_file_are_escaped_in_the_message():
     error = BadCapture(Path("x.vcd"), "line 1", "a\x1db\nc\u2028°", "a name", "mend it")
     assert str(error) == "x.vcd, line 1: found a\\x1db\\nc\\u2028°, expected a name; mend it"
 
@@ -129,11 +129,11 @@ SCL, SDA = LINES.channels
 def test_the_spans_in_which_a_line_is_unknown():
     assert gaps(LINES, SCL) == [(0, 2), (8, 10)]
     assert gaps(LINES, SDA) == [(6, 8), (10, 12)]
-    assert gaps(LINES, SCL, SDA) == [(0, 2), (6, 12)], "the spans of both, joined where they touch"
+    assert gaps(LINES, SCL, SDA) == [(0, 2), (6, 12)], "adjacent spans of the two lines are joined"
     assert gaps(drawn("SCL --__")) == []
 
 
-def test_a_note_says_which_lines_how_long_and_where():
+def test_a_note_about_unknown_spans_has_lines_durations_and_times():
     assert gap_notes(LINES, SCL, SDA) == [
         "SCL and SDA: 2 spans were not recorded, 0.000008000 s in all, 0.000000000 s to 0.000002000 s, "
         "0.000006000 s to 0.000012000 s; nothing is decoded across them"
@@ -146,7 +146,7 @@ def test_a_note_says_which_lines_how_long_and_where():
     assert gap_notes(known, *known.channels) == []
 
 
-def test_of_many_spans_the_first_three_are_listed():
+def test_a_note_lists_the_first_three_of_many_spans():
     capture = drawn("RX ?-?-?-?-?-?-?-")
     (note,) = gap_notes(capture, *capture.channels)
     assert note.startswith("RX: 7 spans were not recorded") and note.count(" to ") == 3 and "and 4 more" in note
@@ -158,15 +158,15 @@ def test_of_many_spans_the_first_three_are_listed():
         ("__-_______----____", 2, "__________----____"),
         ("__--_-____----____", 3, "__________----____"),
         ("___---______---___", 3, "___---______---___"),
-        ("__-_------___-____", 3, "____------________"),  # the last edge of a bounce stays
+        ("__-_------___-____", 3, "____------________"),  # the last edge of a bounce is kept
         ("-_----_-_-_-______", 2, "------------______"),
-        ("-_", 9, "-_"),  # what is before the first edge and behind the last is no pulse
+        ("-_", 9, "-_"),  # the time before the first and after the last edge is not a pulse
         ("-_-", 9, "---"),
         ("--__--", 1, "--__--"),
         ("------", 4, "------"),
     ],
 )
-def test_short_pulses_go_with_both_edges(before: str, shortest: int, after: str):
+def test_short_pulses_are_removed_with_both_edges(before: str, shortest: int, after: str):
     line = drawn(f"X {before}").channel("X").without_glitches(shortest)
     expected = drawn(f"X {after}").channel("X")
     assert (line.initial, line.edges.tolist(), line.levels.tolist()) == (
@@ -178,7 +178,7 @@ def test_short_pulses_go_with_both_edges(before: str, shortest: int, after: str)
 
 @given(captures(("X",)))
 @settings(max_examples=examples(40), deadline=None)
-def test_no_pulse_that_is_left_is_short_and_the_end_is_the_same(capture: Capture):
+def test_no_remaining_pulse_is_short_and_the_last_level_is_kept(capture: Capture):
     line = capture.channel("X")
     line = line.without_glitches(4)
     assert all(b - a >= 4 for a, b in zip(line.edges[:-1].tolist(), line.edges[1:].tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""Channels found by what people call them: with scopes, in brackets, behind the name of a device."""
+"""Channels found by their usual names: with scopes, in parentheses, or after the name of a device."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ def found(line: str, *names: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", ["SCL", "scl ", "tb.bus.scl", "Channel 0 (SCL)", "24LC515 SCL", "i2c_scl", "SCL/A5"])
-def test_a_channel_whose_name_has_the_line_as_a_word(name: str):
+def test_a_channel_is_found_if_its_name_has_the_line_as_a_word(name: str):
     assert found("scl", "D7", name) == [name]
 
 
 @pytest.mark.parametrize("name", ["SCL2", "MISCL", "0", "SDA", "scl.enable"])
-def test_a_channel_of_another_name(name: str):
+def test_a_channel_with_another_name_is_not_found(name: str):
     assert found("scl", name) == []
 
 
-def test_the_name_itself_goes_before_a_word_and_two_words_are_two():
+def test_the_exact_name_takes_precedence_and_otherwise_all_matches_are_found():
     assert found("rx", "RX", "RX ready") == ["RX"]
     assert found("rx", "host RX", "RX ready") == ["host RX", "RX ready"]
 
@@ -48,14 +48,14 @@ def test_the_name_itself_goes_before_a_word_and_two_words_are_two():
         ("UART_RX GPS_TX host.rx MISCL RXD scl.enable", "", "UART_RX GPS_TX host.rx", ""),
     ],
 )
-def test_names_say_what_belongs_together(names: str, i2c: str, uart: str, left_over: str):
+def test_lines_of_a_bus_are_grouped_by_their_names(names: str, i2c: str, uart: str, left_over: str):
     found = buses_named(of_bytes(b"\0", tuple(name.replace("_", " ") for name in names.split())))
     assert [f"{scl.name}/{sda.name}".replace(" ", "_") for scl, sda in found.i2c] == i2c.split()
     assert [line.name.replace(" ", "_") for line in found.uart] == uart.split()
     assert [line.name.replace(" ", "_") for line in found.left_over] == left_over.split()
 
 
-def test_a_wire_with_a_name_in_each_scope_is_one():
+def test_equal_wires_in_several_scopes_are_one_bus():
     found = buses_named(
         drawn(
             """

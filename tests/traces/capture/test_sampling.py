@@ -1,4 +1,4 @@
-"""How files of time stamps were sampled: the grid their edges lie on, and what is exact."""
+"""Sampling of captures with time stamps: the grid of their edges, exact captures, and conversion to samples."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ def ticks(edges: list[int], length: int, rate: Fraction | None = GHZ3, unknown: 
     return Capture(Path("x"), rate, length, (channel,), sampled=False)
 
 
-def test_an_edge_goes_to_the_first_sample_at_or_after_it():
+def test_an_edge_is_moved_to_the_first_sample_at_or_after_it():
     capture = resampled(ticks([1, 125, 126, 1000], 1001), Fraction(24 * 10**6))  # a sample is 125 ticks
     assert (capture.rate, capture.length, capture.sampled) == (24_000_000, 9, True)
-    assert capture.channels[0].edges.tolist() == [2, 8]  # 1 and 125 both at 1: a pulse that no sample sees
+    assert capture.channels[0].edges.tolist() == [2, 8]  # 1 and 125 are both at 1, so this pulse is lost
     assert capture.notes == ("channel a: pulses that fall between two samples of 24 MHz are lost: 1",)
 
 
 @given(st.sets(st.integers(1, 10**6), max_size=30), st.fractions(Fraction(1, 50), 50), st.integers(0, 10**13))
-def test_every_sample_shows_the_level_of_its_instant(places: set[int], ratio: Fraction, far: int):
+def test_every_sample_has_the_level_of_its_time(places: set[int], ratio: Fraction, far: int):
     edges = sorted(place + far for place in places)
     before = ticks(edges, far + 10**6 + 1)
     after = resampled(before, ratio * GHZ3)
@@ -52,11 +52,11 @@ def test_every_sample_shows_the_level_of_its_instant(places: set[int], ratio: Fr
     for edge in edges:
         sample = -int(-edge * ratio // 1)
         for n in range(max(sample - 2, 0), sample + 2):
-            instant = np.array([n / ratio // 1], np.int64)  # the level at n samples holds from the tick at or before it
+            instant = np.array([n / ratio // 1], np.int64)  # the last tick at or before sample n
             assert channel.at(np.array([n]))[0] == before.channels[0].at(instant)[0]
 
 
-def test_unknown_stretches_move_along():
+def test_unknown_spans_are_resampled():
     capture = resampled(ticks([], 1000, unknown=(Span(0, 9), Span(500, 1000))), GHZ3 / 10)
     assert capture.channels[0].unknown == (Span(0, 1), Span(50, 100))
     assert capture.length == 100
@@ -67,7 +67,7 @@ def test_the_same_rate_changes_nothing():
     assert (capture.length, capture.channels[0].edges.tolist(), capture.notes) == (10, [3, 7], ())
 
 
-def test_without_a_rate_there_is_nothing_to_count_in():
+def test_a_capture_without_a_rate_cannot_be_resampled():
     assert refusal(BadCapture, resampled, ticks([], 10, None), GHZ3) == (
         "x, its rate: found none stated, expected positions with a time; state the rate at which it was captured"
     )
@@ -91,16 +91,16 @@ def stamped(at: list[int], rate: int | None = 10**9, sampled: bool = False, exac
 
 
 def test_the_step_is_the_coarsest_grid_that_holds_all_edges():
-    """125 MHz, told in nanoseconds, from any start."""
+    """The edges are samples at 125 MHz, written in nanoseconds, and begin at any sample."""
     assert grid_of(stamped([11, 27, 67, 91]).channels) == sample_step(stamped([11, 27, 67, 91])) == 8
 
 
 @pytest.mark.parametrize("at", [[], [5]])
-def test_without_two_edges_the_step_is_a_position(at: list[int]):
+def test_with_fewer_than_two_edges_the_step_is_one_position(at: list[int]):
     assert sample_step(stamped(at)) == 1
 
 
-def test_times_finer_than_any_analyser_are_a_simulations():
+def test_times_finer_than_those_of_any_analyser_are_exact():
     fine = [6_667, 13_333, 20_001]
     assert is_exact(stamped(fine, PICOSECONDS)) and sample_step(stamped(fine, PICOSECONDS)) == 1
     assert not is_exact(stamped([8_000, 24_000], PICOSECONDS))
@@ -108,7 +108,7 @@ def test_times_finer_than_any_analyser_are_a_simulations():
     assert is_exact(stamped([8, 24], exact=True)) and sample_step(stamped([8, 24], exact=True)) == 1
 
 
-def test_what_was_inferred_is_said():
+def test_a_note_has_the_inferred_grid():
     (note,) = stamp_notes(stamped([11, 27, 67]))
     assert note.startswith("the file gives times, not samples; all its edges are multiples of 8 ns apart")
     assert stamp_notes(stamped([8, 24], sampled=True)) == stamp_notes(stamped([8, 24], exact=True)) == []
@@ -127,7 +127,7 @@ def test_no_edge_is_lost_on_the_samples_of_the_grid(at: set[int], step: int, off
 
 
 def test_a_session_of_time_stamps_has_the_rate_of_their_grid(tmp_path: Path):
-    """A second of nanoseconds on a grid of 125 MHz is 125 million samples, and not a thousand million."""
+    """A second in nanoseconds on a grid of 125 MHz is written as 125 million samples, not as a thousand million."""
     capture = stamped([8 * n for n in (1, 5, 900, 10**5)])
     notes = formats.write(capture, tmp_path / "a.sr")
     assert notes == ("times are written as samples of 125 MHz, the slowest rate that has one at every edge",)
@@ -136,7 +136,7 @@ def test_a_session_of_time_stamps_has_the_rate_of_their_grid(tmp_path: Path):
     assert edges(again) == {"SCL": [0, 1, 5, 900, 10**5]}
 
 
-def test_a_capture_keeps_that_it_is_exact(tmp_path: Path):
+def test_the_property_exact_is_written_and_read(tmp_path: Path):
     capture = stamped([8, 24], exact=True)
     formats.write(capture, tmp_path / "a.psr")
     assert formats.read(tmp_path / "a.psr").exact
@@ -144,7 +144,7 @@ def test_a_capture_keeps_that_it_is_exact(tmp_path: Path):
     assert not formats.read(tmp_path / "b.psr").exact
 
 
-def test_a_pause_may_be_long_beside_as_much_of_the_rest():
+def test_a_long_pause_is_accepted_only_if_the_rest_is_as_long():
     at = np.arange(1, 10**4) * 10**4
     line = Channel("SCL", 0, 1, np.append(at, at[-1] + LONGEST_PAUSE + 3))
     capture = Capture(Path("x.vcd"), Fraction(10**9), int(line.edges[-1]) + 1, (line,), sampled=False)
@@ -166,5 +166,5 @@ def test_a_pause_may_be_long_beside_as_much_of_the_rest():
         ("-0.25", (-25, 2)),
     ],
 )
-def test_a_fraction_of_a_second_counts_forwards_before_1970_too(text: str, time: tuple[int, int]):
+def test_a_fraction_of_a_second_is_added_even_before_1970(text: str, time: tuple[int, int]):
     assert exact_time(text) == time

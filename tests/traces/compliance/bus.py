@@ -1,9 +1,9 @@
-"""An I2C bus whose every time can be set: times in nanoseconds go in, an exact capture of two transfers comes out.
+"""Generator of an exact capture of two I2C transfers whose times, in nanoseconds, can all be set.
 
      hd_sta  low  high         su_sta hd_sta             su_sto   buf
 SCL ------|______|----|__ ... |------|------|__ ... ____|------|---------
 SDA --|_____/---------        -------\\_____________________________/---------\\__
-            ^ data: where SDA changes behind SCL's fall
+            ^ data: time of the change of SDA after the fall of SCL
 """
 
 from __future__ import annotations
@@ -21,7 +21,11 @@ NS = 10**9
 
 @dataclass(frozen=True)
 class Odd:
-    """One bit unlike the others. data: SDA changes at these times, an odd number of them. low: of its SCL."""
+    """A bit that differs from the others.
+
+    data: times at which SDA changes, an odd number of them
+    low: length of its low phase of SCL
+    """
 
     data: tuple[int, ...] | None = None
     low: int | None = None
@@ -29,7 +33,7 @@ class Odd:
 
 @dataclass(frozen=True)
 class Spike:
-    """Behind a rise (by its number) on SCL or SDA, the level there and back."""
+    """A spike on SCL or SDA: `after` a rise of SCL, given by its number, the level is inverted for `length`."""
 
     line: str
     rise: int
@@ -39,7 +43,10 @@ class Spike:
 
 @dataclass(frozen=True)
 class Bus:
-    """Nanoseconds. odd: (byte, place) -> what is unlike, in the first transfer; place 8 is the ACK."""
+    """Times of the bus in nanoseconds.
+
+    odd: differing bits in the first transfer by (byte, place); place 8 is the ACK
+    """
 
     low: int
     high: int
@@ -55,14 +62,14 @@ class Bus:
         return replace(self, **changes)  # type: ignore[arg-type]
 
 
-# Well within every limit of the mode.
+# All times are well within the limits of the mode.
 EASY = {
     Mode.STANDARD: Bus(low=6_500, high=5_500, hd_sta=5_500, su_sta=6_500, su_sto=5_500, buf=6_500, data=1_500),
     Mode.FAST: Bus(low=1_700, high=900, hd_sta=900, su_sta=900, su_sto=900, buf=1_700, data=400),
     Mode.FAST_PLUS: Bus(low=700, high=400, hd_sta=400, su_sta=400, su_sto=400, buf=700, data=300),
 }
 
-# Write 0xA5 to 0x51; again, read 0x5A from it, answered by NACK. Each byte with its ninth bit.
+# Write 0xA5 to 0x51; after a repeated START, read 0x5A from it with NACK. Each byte has its ninth bit.
 WRITE = ([1, 0, 1, 0, 0, 0, 1, 0, 0], [1, 0, 1, 0, 0, 1, 0, 1, 0])
 READ = ([1, 0, 1, 0, 0, 0, 1, 1, 0], [0, 1, 0, 1, 1, 0, 1, 0, 1])
 
@@ -95,7 +102,7 @@ class _Drawn:
         self._sda(1)
 
     def _low(self, level: int, odd: Odd) -> None:
-        """SCL falls now; SDA comes to `level`, SCL rises."""
+        """Let SCL fall now, change SDA to `level`, and let SCL rise."""
         self.scl.append((self.now, 0))
         fall = self.now
         if level != self.sda[-1][1]:
@@ -111,7 +118,7 @@ class _Drawn:
 
 
 def drawn(bus: Bus) -> Capture:
-    """Ticks are nanoseconds and exact."""
+    """Return an exact capture of the bus in nanoseconds."""
     d = _Drawn(bus, 20_000)
     for number in range(2):
         odd = bus.odd if not number else {}
@@ -137,7 +144,7 @@ def drawn(bus: Bus) -> Capture:
 
 
 def sampled(capture: Capture, rate: int, phase: int = 0) -> Capture:
-    """What an analyser at `rate` samples a second sees of it; the first sample is `phase` nanoseconds in."""
+    """Return the capture of an analyser with `rate` samples per second whose first sample is at `phase` nanoseconds."""
     assert capture.rate == NS
     length = (capture.length - phase) * rate // NS
     channels = []
@@ -145,6 +152,6 @@ def sampled(capture: Capture, rate: int, phase: int = 0) -> Capture:
         at = [0] + [max(0, ceil(Fraction((int(edge) - phase) * rate, NS))) for edge in channel.edges]
         levels = [channel.initial, *channel.levels.tolist()]
         kept = [(a, level) for a, level in zip(at, levels, strict=True) if a < length]
-        last = dict(kept)  # of several edges before one sample the last counts
+        last = dict(kept)  # the last of several edges between two samples is kept
         channels.append(channel_of(channel.name, channel.index, last, last.values(), length))
     return Capture(capture.path, Fraction(rate), length, tuple(channels))

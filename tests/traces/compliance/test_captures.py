@@ -1,4 +1,4 @@
-"""The real I2C captures, judged: nothing is claimed that the sampling rate does not allow."""
+"""Compliance of real I2C captures: no verdict is given that the sampling rate does not allow."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NS = 10**9
 
 @pytest.mark.parametrize("mode", Mode)
 @pytest.mark.parametrize("name", decoded("i2c"))
-def test_what_is_decided_is_a_sample_away_from_its_limit(name, mode):
+def test_decided_values_are_at_least_a_sample_from_their_limit(name, mode):
     capture = formats.read(capture_of(name))
     report = check(capture, *lines(name), mode, exact=False)
     sample = report.resolution.period
@@ -37,8 +37,8 @@ def test_what_is_decided_is_a_sample_away_from_its_limit(name, mode):
 
 
 @needs_captures
-def test_a_400_khz_bus_is_no_100_khz_bus():
-    """Three devices of an e-book reader; at 4 MHz the limits of Fast-mode itself are too near to decide."""
+def test_a_400_khz_bus_fails_the_limits_of_100_khz():
+    """Three devices of an e-book reader. At 4 MHz, the times are too close to the limits of Fast-mode to decide."""
     capture = formats.read(capture_of("i2c_trekstor_accel_pmic_rtc"))
     assert check(capture, mode=Mode.STANDARD).symbols_with(Verdict.FAIL) == [
         "fSCL",
@@ -53,14 +53,14 @@ def test_a_400_khz_bus_is_no_100_khz_bus():
 
 
 @needs_captures
-def test_at_125_mhz_a_bus_5_percent_too_fast_is_found():
+def test_a_bus_5_percent_too_fast_is_found_at_125_mhz():
     capture = formats.read(capture_of("i2c_mdfu_write_csv"))
     report = check(capture, *lines("i2c_mdfu_write_csv"), Mode.STANDARD, exact=False)
     assert report.symbols_with(Verdict.FAIL) == ["fSCL"] and report.resolution.period == 8
-    assert report.row("tVD;DAT").excused > 0, "the target stretches, and sends late where it does"
+    assert report.row("tVD;DAT").excused > 0, "the target sends late in phases that it stretches"
 
 
 @needs_captures
-def test_at_500_khz_a_100_khz_bus_cannot_be_judged():
+def test_a_100_khz_bus_sampled_at_500_khz_cannot_be_judged():
     report = check(formats.read(capture_of("i2c_bh1750_hres")), *lines("i2c_bh1750_hres"), Mode.STANDARD)
     assert report.verdict is Verdict.UNDECIDABLE and not report.symbols_with(Verdict.FAIL)

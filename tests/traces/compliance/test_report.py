@@ -1,4 +1,4 @@
-"""What a report says: rows, notes, the verdict of all, the assertion, JSON."""
+"""Compliance reports: rows, notes, the overall verdict, the assertion, JSON."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def test_every_limit_has_a_row_in_the_order_of_the_specification():
     assert " ".join(limit.symbol for limit in LIMITS) == symbols
 
 
-def test_the_limits_are_those_of_the_specification():
-    """Typed in a second time, in nanoseconds: least or most of standard, fast and fast-plus."""
+def test_limits_agree_with_the_specification():
+    """The limits are typed a second time, in nanoseconds: least or most of standard, fast and fast-plus."""
     least = {
         "fSCL": (10_000, 2_500, 1_000),
         "tHD;STA": (4_000, 600, 260),
@@ -69,11 +69,11 @@ def test_the_limits_are_those_of_the_specification():
         (Bounds(), "-"),
     ],
 )
-def test_limits_as_people_write_them(bounds, text):
+def test_limits_as_text(bounds, text):
     assert limit_text(bounds) == text
 
 
-def test_the_table_says_the_time_the_place_and_who():
+def test_the_table_has_time_place_and_party():
     text = str(judged(LATE))
     measured, rule = (line for line in text.splitlines() if line.startswith(" tVD;DAT"))
     assert "max 3.45 us" in measured and " 4 us" in measured and "FAIL, 1 of " in measured
@@ -83,15 +83,15 @@ def test_the_table_says_the_time_the_place_and_who():
     assert rule.split("  ")[1] == "SCL fall -> SDA valid" and f" {place.at / 10**9:.9f} s  target" in rule
 
 
-def test_the_worst_place_is_the_furthest_beyond():
+def test_the_worst_place_is_the_one_furthest_beyond_the_limit():
     report = judged(
         STANDARD.but(odd={(1, 1): Odd(data=(3_500,)), (3, 1): Odd(data=(5_000,)), (3, 3): Odd(data=(4_000,))})
     )
     assert [place.length for place in report.row("tVD;DAT").worst] == [5_000, 4_000, 3_500]
 
 
-def test_a_maximum_does_not_bind_where_scl_is_stretched():
-    """The footnote: data may come late in a low phase that the device holds, if the set-up time is kept."""
+def test_a_maximum_does_not_apply_where_scl_is_stretched():
+    """By a footnote, data may change late in a low phase that the device stretches if the set-up time is kept."""
     stretched = STANDARD.but(odd={(3, 1): Odd(data=(19_000,), low=20_000)})
     report = judged(stretched)
     assert report.verdict is Verdict.PASS and report.row("tVD;DAT").excused == 1
@@ -100,14 +100,14 @@ def test_a_maximum_does_not_bind_where_scl_is_stretched():
     assert report.symbols_with(Verdict.FAIL) == ["tSU;DAT"]
 
 
-def test_a_low_phase_a_tenth_longer_is_the_controllers_own():
+def test_a_low_phase_up_to_a_tenth_longer_is_not_a_stretch():
     for low, fails in ((7_150, ["tHD;DAT", "tVD;DAT"]), (7_151, [])):
         report = judged(STANDARD.but(odd={(3, 1): Odd(data=(4_000,), low=low)}))
         assert report.symbols_with(Verdict.FAIL) == fails
 
 
-def test_what_may_be_stretched_is_counted_apart_and_is_neither_pass_nor_failure():
-    """Seen at 10 MHz, a low phase of 7.2 us may be a tenth longer than one of 6.5 us, or more: who stretches?"""
+def test_maxima_in_possibly_stretched_phases_are_undecidable():
+    """Sampled at 10 MHz, it is unknown if a low phase of 7.2 us is more than a tenth longer than one of 6.5 us."""
     odd = {(3, 1): Odd(data=(4_000,), low=7_200), (3, 3): Odd(data=(4_000,)), (3, 5): Odd(data=(4_000,), low=20_000)}
     report = check(sampled(drawn(STANDARD.but(odd=odd)), 10**7))
     row = report.row("tVD;DAT")
@@ -129,7 +129,7 @@ def test_an_assertion_names_the_worst_rows_and_places():
     assert "tLOW" not in text
 
 
-def test_what_cannot_be_decided_raises_only_where_asked():
+def test_undecidable_rows_raise_only_with_strict():
     report = check(sampled(drawn(STANDARD.but(low=5_000, high=5_000)), 10**6), "SCL", "SDA", "standard")
     assert report.verdict is Verdict.UNDECIDABLE
     report.assert_compliant()
@@ -138,21 +138,21 @@ def test_what_cannot_be_decided_raises_only_where_asked():
     assert str(report).splitlines()[-1].startswith("UNDECIDABLE at this sample rate: fSCL, ")
 
 
-def test_a_trace_with_nothing_on_it_passes_nothing():
+def test_a_trace_without_edges_is_not_judged():
     report = check(lines("SCL ----\nSDA ----"), mode=Mode.STANDARD)
     assert report.verdict is Verdict.NOT_JUDGED
     assert str(report).splitlines()[-1] == "NOT JUDGED: nothing was measured"
 
 
-def test_both_lines_at_once_are_told():
+def test_simultaneous_changes_are_reported():
     report = check(formats.read(TRACES / "imu_round.sr"))
     assert report.shared == 0 and "both lines" not in str(report)
     report = check(sampled(drawn(STANDARD.but(data=0)), 10**6))
     assert report.shared > 0 and f"both lines change at once at {report.shared} positions" in str(report)
 
 
-def test_pulses_that_may_be_missed_pass_nothing():
-    """A 100 kHz bus seen at 100 kHz and a bit: no limit passes, and that is told."""
+def test_no_limit_passes_if_pulses_can_be_missed():
+    """A 100 kHz bus is sampled at 170 kHz, so pulses can be shorter than a sample. The report says so."""
     report = check(sampled(drawn(STANDARD.but(low=5_000, high=5_000)), 170_000, phase=3))
     assert not report.symbols_with(Verdict.PASS) and not report.symbols_with(Verdict.FAIL)
     assert "may be shorter than a sample" in str(report)
@@ -168,6 +168,6 @@ def test_json_has_every_row_with_times_in_seconds():
 
 
 @pytest.mark.parametrize(("scl", "sda"), [("CLK", "SDA"), ("SCL", 7)])
-def test_a_channel_that_is_not_there(scl, sda):
+def test_a_missing_channel_is_rejected(scl, sda):
     with pytest.raises(LookupError, match="there is no channel"):
         check(drawn(STANDARD), scl, sda)

@@ -1,4 +1,4 @@
-"""Sampling may take a verdict away, but never turns one into another."""
+"""Sampling can make a verdict undecidable, but never changes it to another one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DECIDED = {Verdict.PASS, Verdict.FAIL}
 
 @st.composite
 def buses(draw, mode: Mode) -> Bus:
-    """Each time half to twice its limit."""
+    """A bus whose times are half to twice their limits."""
 
     def around(symbol: str) -> int:
         least = LIMIT[symbol].bounds[mode].least
@@ -38,9 +38,9 @@ def buses(draw, mode: Mode) -> Bus:
 
 @pytest.mark.parametrize("mode", Mode)
 @given(st.data())
-def test_what_is_decided_from_samples_is_what_is_true(mode, data):
+def test_verdicts_from_samples_agree_with_exact_ones(mode, data):
     bus = data.draw(buses(mode))
-    rate = data.draw(st.integers(60, 600)) * 10**6  # no pulse is missed
+    rate = data.draw(st.integers(60, 600)) * 10**6  # so high that no pulse is missed
     true = drawn(bus)
     exact = check(true, mode=mode)
     assert not exact.symbols_with(Verdict.UNDECIDABLE)
@@ -54,7 +54,7 @@ def test_what_is_decided_from_samples_is_what_is_true(mode, data):
 
 @st.composite
 def legal_buses(draw, mode: Mode) -> Bus:
-    """Each time at its limit or up to 40 % within it; some low phases are stretched, and data then come late."""
+    """A bus whose times are at their limits or up to 40 % within. In stretched low phases, data change late."""
 
     def kept(symbol: str) -> int:
         least = LIMIT[symbol].bounds[mode].least
@@ -92,16 +92,16 @@ RATES = st.one_of(st.sampled_from([10**6, 4 * 10**6, 24 * 10**6, 100 * 10**6]), 
 
 @pytest.mark.parametrize("mode", Mode)
 @given(st.data())
-def test_a_legal_controller_never_fails_however_it_is_sampled(mode, data):
-    """Also where a low phase may or may not be stretched, and where whole pulses lie between two samples."""
+def test_a_compliant_controller_never_fails_at_any_sample_rate(mode, data):
+    """This includes low phases that are possibly stretched, and pulses between two samples."""
     true = drawn(data.draw(legal_buses(mode)))
     assert not check(true, mode=mode).symbols_with(Verdict.FAIL)
     seen = check(sampled(true, data.draw(RATES), data.draw(st.integers(0, 999))), mode=mode)
     assert not seen.symbols_with(Verdict.FAIL)
 
 
-def test_a_clock_that_beats_with_the_samples_fails_no_maximum():
-    """1 MHz seen at 1 MHz: whole pulses lie between two samples, and what is seen is slow and late."""
+def test_a_clock_near_the_sample_rate_fails_no_maximum():
+    """A clock of 1 MHz is sampled at 1 MHz. Pulses between two samples are lost, so the clock seems slow."""
     bus = EASY[Mode.FAST_PLUS].but(low=640, high=360, data=300)
     assert check(drawn(bus), mode=Mode.FAST_PLUS).verdict is Verdict.PASS
     seen = check(sampled(drawn(bus), 10**6, 617), mode=Mode.FAST_PLUS)
@@ -114,7 +114,7 @@ def test_a_clock_that_beats_with_the_samples_fails_no_maximum():
     st.sampled_from(Mode),
 )
 def test_any_two_lines_have_a_verdict(runs, rate, mode):
-    """Noise, too: no row claims more than its times say, and the report can be shown."""
+    """Even for noise, no row claims more than its times prove, and the report can be printed."""
     capture = of_bytes(bytes(level for level, count in runs for _ in range(count)), ("SCL", "SDA"), rate)
     report = check(capture, mode=mode)
     sample = Fraction(10**9, rate)

@@ -1,4 +1,4 @@
-"""Each limit of each mode: a bus that just keeps it, one that just breaks it, and both sampled too slowly to tell."""
+"""Each limit of each mode: a bus exactly at the limit, one just beyond it, and both with too few samples to decide."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from periph_sim.traces.compliance.limits import LIMIT
 from tests.traces.compliance.bus import EASY, Bus, Odd, Spike, drawn, sampled
 
 MHZ = 10**6
-DATA_BIT, ACK_BIT = (1, 1), (1, 8)  # SDA changes before both
+DATA_BIT, ACK_BIT = (1, 1), (1, 8)  # SDA changes before both bits
 LONG = 30_000  # a stretched low phase
 
 
@@ -20,23 +20,23 @@ def bound(symbol: str, mode: Mode, which: str) -> int:
 
 
 def bus_with(symbol: str, mode: Mode, off: int) -> Bus:
-    """The easy bus, but for one time: `off` nanoseconds longer than its limit."""
+    """A compliant bus in which one time is `off` nanoseconds longer than its limit."""
     easy = EASY[mode]
     if symbol == "fSCL":
         high = bound(symbol, mode, "least") * 45 // 100
         return easy.but(high=high, low=bound(symbol, mode, "least") - high + off)
-    if symbol == "tSU;DAT":  # so late only where SCL is stretched
+    if symbol == "tSU;DAT":  # data can only be so late if SCL is stretched
         return easy.but(odd={DATA_BIT: Odd(data=(LONG - bound(symbol, mode, "least") - off,), low=LONG)})
     if symbol == "tHD;DAT":
         return easy.but(odd={DATA_BIT: Odd(data=(bound(symbol, mode, "most") + off,))})
-    if symbol in ("tVD;DAT", "tVD;ACK"):  # the first change comes early, so that tHD;DAT is kept
+    if symbol in ("tVD;DAT", "tVD;ACK"):  # the first change is early, so that tHD;DAT is kept
         late = bound(symbol, mode, "most") + off
         return easy.but(odd={DATA_BIT if symbol == "tVD;DAT" else ACK_BIT: Odd(data=(late // 3, 2 * late // 3, late))})
     if symbol == "tSP":
         return easy.but(spike=Spike("SCL", 3, easy.high // 2, bound(symbol, mode, "most") + off))
     name = {"tHD;STA": "hd_sta", "tLOW": "low", "tHIGH": "high", "tSU;STA": "su_sta", "tSU;STO": "su_sto"}
     time = {name.get(symbol, "buf"): bound(symbol, mode, "least") + off}
-    period = bound("fSCL", mode, "least")  # kept by the other half
+    period = bound("fSCL", mode, "least")  # kept by the other phase of SCL
     if symbol == "tHIGH":
         time["low"] = period
     if symbol == "tLOW":
@@ -48,11 +48,11 @@ MINIMA = ("fSCL", "tHD;STA", "tLOW", "tHIGH", "tSU;STA", "tSU;DAT", "tSU;STO", "
 MAXIMA = ("tHD;DAT", "tVD;DAT", "tVD;ACK", "tSP")
 NONE_THERE = {("tSP", Mode.STANDARD), ("tHD;DAT", Mode.FAST_PLUS)}  # no such maximum
 CASES = [(symbol, mode) for symbol in MINIMA + MAXIMA for mode in Mode if (symbol, mode) not in NONE_THERE]
-ALSO = {"tHD;DAT": ["tHD;DAT", "tVD;DAT"]}  # data that begin to change too late are valid too late
+ALSO = {"tHD;DAT": ["tHD;DAT", "tVD;DAT"]}  # data that begin to change too late also become valid too late
 
 
 @pytest.mark.parametrize("mode", Mode)
-def test_the_easy_bus_keeps_everything(mode):
+def test_the_easy_bus_passes_all_limits(mode):
     report = check(drawn(EASY[mode]), "SCL", "SDA", mode)
     assert report.verdict is Verdict.PASS
     assert report.symbols_with(Verdict.FAIL) == report.symbols_with(Verdict.UNDECIDABLE) == []
@@ -62,15 +62,15 @@ def test_the_easy_bus_keeps_everything(mode):
 
 
 @pytest.mark.parametrize(("symbol", "mode"), CASES)
-def test_exactly_at_the_limit_passes(symbol, mode):
+def test_a_time_exactly_at_its_limit_passes(symbol, mode):
     report = check(drawn(bus_with(symbol, mode, 0)), "SCL", "SDA", mode)
     assert (report.verdict, report.row(symbol).verdict) == (Verdict.PASS, Verdict.PASS)
     which = "most" if symbol in MAXIMA else "least"
-    assert getattr(report.row(symbol), which) == bound(symbol, mode, which), "and the limit is what is met"
+    assert getattr(report.row(symbol), which) == bound(symbol, mode, which), "the time is exactly at the limit"
 
 
 @pytest.mark.parametrize(("symbol", "mode"), CASES)
-def test_a_nanosecond_beyond_the_limit_fails_and_nothing_else_does(symbol, mode):
+def test_a_time_one_nanosecond_beyond_its_limit_fails_alone(symbol, mode):
     report = check(drawn(bus_with(symbol, mode, 1 if symbol in MAXIMA else -1)), "SCL", "SDA", mode)
     assert report.symbols_with(Verdict.FAIL) == ALSO.get(symbol, [symbol])
     assert report.verdict is Verdict.FAIL
@@ -78,7 +78,7 @@ def test_a_nanosecond_beyond_the_limit_fails_and_nothing_else_does(symbol, mode)
 
 @pytest.mark.parametrize("off", [-1, 0, 1])
 @pytest.mark.parametrize(("symbol", "mode"), CASES)
-def test_sampled_too_slowly_the_same_cannot_be_decided(symbol, mode, off):
+def test_a_time_near_its_limit_is_undecidable_at_1_mhz(symbol, mode, off):
     capture = sampled(drawn(bus_with(symbol, mode, off)), MHZ, phase=517)
     report = check(capture, "SCL", "SDA", mode)
     assert report.row(symbol).verdict is (Verdict.UNDECIDABLE)
@@ -87,7 +87,7 @@ def test_sampled_too_slowly_the_same_cannot_be_decided(symbol, mode, off):
 
 @pytest.mark.parametrize("off", [-1, 1])
 @pytest.mark.parametrize(("symbol", "mode"), CASES)
-def test_sampled_at_500_mhz_what_is_ten_nanoseconds_off_is_decided(symbol, mode, off):
+def test_a_time_ten_nanoseconds_from_its_limit_is_decided_at_500_mhz(symbol, mode, off):
     capture = sampled(drawn(bus_with(symbol, mode, 10 * off)), 500 * MHZ)
     good = (off > 0) != (symbol in MAXIMA)
     report = check(capture, "SCL", "SDA", mode)
@@ -96,8 +96,8 @@ def test_sampled_at_500_mhz_what_is_ten_nanoseconds_off_is_decided(symbol, mode,
 
 
 @pytest.mark.parametrize("mode", Mode)
-def test_data_may_change_with_the_fall_of_scl(mode):
-    """tHD;DAT is 0 at least: the same instant keeps it; sampled, the order is not known."""
+def test_data_can_change_at_the_fall_of_scl(mode):
+    """The minimum of tHD;DAT is 0, so a change at the same time passes. In samples, the order is unknown."""
     bus = EASY[mode].but(data=0)
     report = check(drawn(bus), "SCL", "SDA", mode)
     assert report.verdict is Verdict.PASS and report.row("tHD;DAT").least == 0 and report.shared > 20

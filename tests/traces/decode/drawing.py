@@ -1,4 +1,4 @@
-"""Lines drawn as text, one character a sample (`-` high, `_` low), become a Capture, and events plain tuples."""
+"""Conversion of drawings to captures, one character per sample (`-` high, `_` low), and of events to tuples."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LEVELS = {"-": 1, "_": 0, "?": None}
 
 
 def drawn(drawing: str, rate: int | None = 1_000_000) -> Capture:
-    """Each line of the drawing is a name and its levels; `|` and blanks within are for the eye. `?` is unknown."""
+    """Return the capture of a drawing. A line is a name and levels; `?` is unknown; `|` and spaces are ignored."""
     channels: list[Channel] = []
     length = 0
     for row in drawing.strip().splitlines():
@@ -26,7 +26,7 @@ def drawn(drawing: str, rate: int | None = 1_000_000) -> Capture:
 
 
 def of_bytes(samples: bytes, names: tuple[str, ...], rate: int = 1_000_000) -> Capture:
-    """Sample by sample, channel k in bit k."""
+    """Return a capture of these samples, with channel k in bit k."""
     channels = tuple(
         channel_of(name, bit, range(len(samples)), [sample >> bit & 1 for sample in samples], len(samples))
         for bit, name in enumerate(names)
@@ -38,7 +38,7 @@ Plain = tuple[object, ...]
 
 
 def plain(events: Iterable[Event]) -> list[Plain]:
-    """Name and position of each I2C event, with value and direction of a byte and the place of an address's R/W bit."""
+    """Name and position of each I2C event, value and direction of each byte, and position of an address's R/W bit."""
     found: list[Plain] = []
     for event in events:
         more: Plain = ()

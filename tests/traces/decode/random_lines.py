@@ -1,4 +1,4 @@
-"""Lines as no sender makes them: edges anywhere, holes anywhere, for comparing two ways of reading them."""
+"""Random lines with edges and unknown spans anywhere, for the comparison of two decoders."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RATE = Fraction(1_000_000)
 
 @st.composite
 def captures(draw: st.DrawFn, names: tuple[str, ...]) -> Capture:
-    """A capture of one to some hundred edges a line, of every density; lines often change together."""
+    """A capture with up to some hundred edges per line, at random densities. Lines often change at the same time."""
     steps = st.lists(
         st.tuples(st.integers(1, draw(st.sampled_from([1, 3, 12, 60]))), st.integers(0, 2 ** len(names) - 1))
     )
@@ -30,7 +30,7 @@ def captures(draw: st.DrawFn, names: tuple[str, ...]) -> Capture:
         edges = np.array([at for at, turned in changes if turned >> bit & 1], np.int64)
         ends = sorted(draw(st.lists(bound, max_size=2, unique=True)))
         holes = tuple(Span(a, b) for a, b in zip(ends[::2], ends[1::2], strict=False))
-        for hole in holes:  # no edge lies within a hole
+        for hole in holes:  # no edge is within an unknown span
             inside = (edges >= hole.begin) & (edges < hole.end)
             edges = (
                 edges[~inside] if np.count_nonzero(inside) % 2 == 0 else np.sort(np.append(edges[~inside], hole.end))

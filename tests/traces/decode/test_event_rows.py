@@ -1,4 +1,4 @@
-"""Tables of several buses in one list: what each column becomes, the order of rows, and which belong together."""
+"""Tables of several buses merged into one list: the columns, the order of rows, and groups of rows."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from tests.traces.decode.test_i2c_table import of
 KINDS = [np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8]
 
 
-def told(rows: Rows) -> list[tuple[int, int, int, str, int, int, str]]:
-    """Row by row, events and details in words."""
+def readable(rows: Rows) -> list[tuple[int, int, int, str, int, int, str]]:
+    """The rows as tuples, with events and details in words."""
     return [
         (at, end, bus, EVENTS[event], value, bits, DETAILS[detail])
         for at, end, bus, event, value, bits, detail in zip(*(column.tolist() for column in rows), strict=True)
     ]
 
 
-def test_of_i2c_whole_and_cut_bytes_say_who_was_asked_to_send_and_nothing_else_does():
+def test_i2c_rows_have_a_direction_for_complete_and_cut_bytes_only():
     kind = i2c_table.I2cRowKind
     of = [  # kind, at, last, end, value, bits, read
         (kind.START, 10, 10, 10, -1, 0, False),
@@ -55,7 +55,7 @@ def test_of_i2c_whole_and_cut_bytes_say_who_was_asked_to_send_and_nothing_else_d
     types = (np.uint8, np.int64, np.int64, np.int64, np.int16, np.uint8, np.bool_)
     columns = zip(zip(*of, strict=True), types, strict=True)
     rows = i2c_rows(I2cTable._make(np.array(column, of_type) for column, of_type in columns))
-    assert told(rows) == [
+    assert readable(rows) == [
         (10, 10, 0, "start", -1, 0, ""),
         (20, 28, 0, "address", 0x53, 8, "write"),
         (30, 31, 0, "ack", -1, 1, ""),
@@ -71,13 +71,13 @@ def test_of_i2c_whole_and_cut_bytes_say_who_was_asked_to_send_and_nothing_else_d
     assert [column.dtype for column in rows] == KINDS
 
 
-def test_a_ten_bit_address_that_is_asked_to_send_is_whole_where_its_own_transfer_told_it():
-    bus = of("S F4+ 42+ Sr F5+ Sr F7+ P S F5+ P")  # of another target, F7, the low byte is not known
-    found = [row[4:6] for row in told(i2c_rows(i2c_table.i2c_table(bus))) if row[3] == "address"]
+def test_a_ten_bit_read_address_is_complete_if_the_same_transfer_has_its_low_byte():
+    bus = of("S F4+ 42+ Sr F5+ Sr F7+ P S F5+ P")  # F7 is another target, whose low byte is not known
+    found = [row[4:6] for row in readable(i2c_rows(i2c_table.i2c_table(bus))) if row[3] == "address"]
     assert found == [(0x7A, 8), (0x242, 10), (0x7B, 8), (0x7A, 8)]
 
 
-def test_of_uart_every_set_of_faults_has_its_words():
+def test_uart_rows_have_words_for_every_set_of_faults():
     n = 8
     faults = [np.array([case >> place & 1 for case in range(n)], bool) for place in range(3)]
     of = UartTable(
@@ -85,7 +85,7 @@ def test_of_uart_every_set_of_faults_has_its_words():
         *faults, np.zeros(n, np.int32),
     )  # fmt: skip
     rows = uart_rows(of)
-    assert [detail for *_, detail in told(rows)] == [
+    assert [detail for *_, detail in readable(rows)] == [
         "",
         "parity error",
         "frame error",
@@ -95,55 +95,55 @@ def test_of_uart_every_set_of_faults_has_its_words():
         "frame error, glitch",
         "parity error, frame error, glitch",
     ]
-    assert [row[:6] for row in told(rows)] == [(case, case + 9, 0, "frame", case, 8) for case in range(n)]
+    assert [row[:6] for row in readable(rows)] == [(case, case + 9, 0, "frame", case, 8) for case in range(n)]
     assert [column.dtype for column in rows] == KINDS
 
 
-def test_of_uart_every_kind_has_its_word():
+def test_uart_rows_have_a_word_for_every_kind():
     kinds = np.array([*uart.UartRowKind], np.uint8)
     zeros = np.zeros(len(kinds), np.int64)
     of = UartTable(kinds, zeros, zeros, zeros.astype(np.int32), zeros.astype(np.uint8), *[zeros > 0] * 3, zeros)
     assert dict(
-        zip([kind.name for kind in uart.UartRowKind], [row[3] for row in told(uart_rows(of))], strict=True)
+        zip([kind.name for kind in uart.UartRowKind], [row[3] for row in readable(uart_rows(of))], strict=True)
     ) == {
         "FRAME": "frame",
         "BREAK": "break",
         "CUT": "cut",
         "REJECTED": "rejected start",
     }
-    assert [row[2] for row in told(uart_rows(of))] == [0] * 4
+    assert [row[2] for row in readable(uart_rows(of))] == [0] * 4
 
 
 def made(*rows: tuple[int, int, int, int]) -> Rows:
-    """Rows of (at, end, bus, event); `value` numbers them."""
+    """Rows of (at, end, bus, event), whose values are their numbers."""
     of = np.array(rows, np.int64).reshape(-1, 4)
     count = len(of)
     columns = [of[:, 0], of[:, 1], of[:, 2], of[:, 3], np.arange(count), np.full(count, 8), np.zeros(count)]
     return Rows._make(column.astype(kind) for column, kind in zip(columns, KINDS, strict=True))
 
 
-def test_no_rows_are_rows_like_any_other():
+def test_empty_rows_have_the_types_of_other_rows():
     assert [column.dtype for column in no_rows()] == KINDS and len(no_rows().at) == 0
     some = made((5, 6, 0, START))
-    assert told(joined([no_rows(), some])) == told(some) == told(merged([some, no_rows()]))
+    assert readable(joined([no_rows(), some])) == readable(some) == readable(merged([some, no_rows()]))
     rows, first = grouped(no_rows(), [None, 4])
     assert len(rows.at) == 0 and first.tolist() == []
 
 
-def test_merged_rows_of_one_position_keep_the_order_of_the_parts():
+def test_merged_rows_at_one_position_keep_the_order_of_the_parts():
     one, other = made((5, 6, 0, 0), (9, 9, 0, 0)), made((5, 7, 1, 0), (2, 3, 1, 0))
-    assert [(row[0], row[2]) for row in told(merged([one, other]))] == [(2, 1), (5, 0), (5, 1), (9, 0)]
-    assert [(row[0], row[2]) for row in told(merged([other, one]))] == [(2, 1), (5, 1), (5, 0), (9, 0)]
+    assert [(row[0], row[2]) for row in readable(merged([one, other]))] == [(2, 1), (5, 0), (5, 1), (9, 0)]
+    assert [(row[0], row[2]) for row in readable(merged([other, one]))] == [(2, 1), (5, 1), (5, 0), (9, 0)]
     unsorted = made((9, 9, 0, 0), (5, 6, 0, 0))
-    assert merged([unsorted]) is unsorted  # a table of one bus is in order
+    assert merged([unsorted]) is unsorted  # the table of one bus is assumed to be in order
 
 
 ROWS = st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6), st.integers(0, 2), st.sampled_from([START, 4])))
 
 
 @given(ROWS, st.integers(0, 5))
-def test_groups_are_those_of_a_walk_from_row_to_row(drawn: list[tuple[int, int, int, int]], quiet: int):
-    """Bus 0 is I2C: a group begins at its START; 1 and 2 are serial lines: behind silence longer than `quiet`."""
+def test_groups_agree_with_a_loop_over_the_rows(drawn: list[tuple[int, int, int, int]], quiet: int):
+    """Bus 0 is I2C, whose groups begin at a START. Buses 1 and 2 are serial; their groups begin after long silence."""
     silence, groups = [None, quiet, quiet + 1], []
     at, begun = 0, set()
     of = []
@@ -160,7 +160,7 @@ def test_groups_are_those_of_a_walk_from_row_to_row(drawn: list[tuple[int, int, 
             if new:
                 groups.append((row[0], bus, []))
             groups[-1][2].append(number)
-    # Groups of one bus that begin at one position are one: nothing tells them apart.
+    # Groups of one bus that begin at one position cannot be distinguished, so they are one.
     wanted: dict[tuple[int, int], list[int]] = {}
     for begin, bus, numbers in sorted(groups, key=lambda group: group[:2]):
         wanted.setdefault((begin, bus), []).extend(numbers)
@@ -187,14 +187,14 @@ def matches(pattern: str, byte: int) -> bool:
 
 
 @pytest.mark.parametrize("byte", range(256))
-def test_each_address_byte_is_for_what_the_table_says(byte: int):
+def test_each_address_byte_has_the_purpose_in_the_table(byte: int):
     rows = [row.split(" ", 3) for row in TABLE.strip().splitlines()]
     named = [purpose for *bits, purpose in rows if matches("".join(bits), byte)]
     assert named == ([purpose_of(byte)] if purpose_of(byte) else [])
 
 
-def test_of_spi_words_have_up_to_63_bits():
+def test_spi_rows_have_words_of_up_to_63_bits():
     rows = spi_rows([spi.Event("word", 10, 73, (1 << 63) - 1, None, 63)], is_mosi=True)
-    assert told(rows) == [(10, 73, 0, "word", (1 << 63) - 1, 63, "")]
+    assert readable(rows) == [(10, 73, 0, "word", (1 << 63) - 1, 63, "")]
     with pytest.raises(OverflowError):
         spi_rows([spi.Event("word", 10, 74, 1 << 63, None, 64)], is_mosi=True)

@@ -1,4 +1,4 @@
-"""The decoder of streams, sample by sample, against that of arrays; and both against sigrok's."""
+"""The stream decoder, which takes single samples, agrees with the array decoder, and both agree with sigrok."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def streamed(capture: Capture) -> list[Plain]:
             busy, index = stream.busy, stream.index
             event = stream.sample(levels)
             assert event != BYTE_OVER or stream.index == index + 1
-            if event >= START:  # or the end of a byte
+            if event >= START:  # START, STOP or the end of a byte
                 found += byte_of(bits, COUNTED[len(bits)], index, stream)
                 bits = []
             if event & KINDS >= START and (busy or event & KINDS == START):
@@ -54,7 +54,7 @@ def streamed(capture: Capture) -> list[Plain]:
 
 
 def byte_of(bits: list[tuple[int, int]], count: int, index: int, stream: I2cStream) -> list[Plain]:
-    """A byte and its ACK, or what there is of them. Of a whole byte the stream says the same."""
+    """A byte and its ACK, as far as they are complete. The attributes of the stream must agree with a complete byte."""
     at, levels = [place for place, _ in bits[:count]], tuple(level for _, level in bits[:count])
     if count < 8:
         return [("CUT", at[0], levels)] if count else []
@@ -69,9 +69,9 @@ def byte_of(bits: list[tuple[int, int]], count: int, index: int, stream: I2cStre
 
 
 def bus(random: Random, count: int, sound: bool = False) -> Capture:
-    """Transfers with cut bytes and both lines changing in one sample; if not sound, with held lines and spikes too.
+    """Transfers with cut bytes and simultaneous edges; if not `sound`, also with held lines and spikes.
 
-    A sound bus has what sigrok's decoder can read: no START or STOP in an address or just before a byte's eighth bit.
+    A sound bus can be read by sigrok: it has no START or STOP in an address or just before the eighth bit of a byte.
     """
     wave = I2cWave(random.randint(2, 4), random.randint(0, 1), idle=random.randint(1, 3))
     for move in random.choices(MOVES if sound else MOVES + TROUBLE, k=count):
@@ -103,7 +103,7 @@ def test_streams_arrays_and_transfers_have_the_same_events(capture: Capture):
 
 @given(captures(("SCL", "SDA")) | st.builds(bus, st.randoms(use_true_random=False), st.integers(1, 30)))
 @settings(max_examples=examples(80), deadline=None)
-def test_bytes_of_arrays_end_where_the_stream_says(capture: Capture):
+def test_bytes_of_the_array_decoder_end_where_those_of_the_stream_end(capture: Capture):
     ends: list[int] = []
     for span in capture.known(*capture.channels):
         scl, sda = (channel.cut(span) for channel in capture.channels)
@@ -117,7 +117,7 @@ def test_bytes_of_arrays_end_where_the_stream_says(capture: Capture):
 
 
 @pytest.mark.parametrize("shown", [0x00, 0xFF, 0x53, 0xAC])
-def test_seven_bits_at_once_are_those_of_seven_pulses(shown: int):
+def test_seven_bits_at_once_have_the_effect_of_seven_pulses(shown: int):
     streams = clocked, skipped = I2cStream(SCL), I2cStream(SCL)
     for stream in streams:
         stream.condition(start=True)

@@ -1,4 +1,4 @@
-"""The I2C table: bits with their timing, 10-bit addresses, ends, a glitch filter."""
+"""Table of I2C events: bits with their timing, 10-bit addresses, ends of rows, the glitch filter."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_every_bit_has_the_timing_of_its_pulse(capture: Capture):
 
 
 def pulses(capture: Capture) -> dict[int, tuple[int, int | None, int | None]]:
-    """SDA at each rise of SCL, and the distances to the edges of SCL before and after it, if they are known."""
+    """SDA at each rise of SCL, with the distances to the edges of SCL before and after it, if they are known."""
     found = {}
     for span in capture.known(*capture.channels):
         scl, sda = (channel.cut(span) for channel in capture.channels)
@@ -64,7 +64,7 @@ def pulses(capture: Capture) -> dict[int, tuple[int, int | None, int | None]]:
     st.lists(st.tuples(st.integers(0, 255), st.booleans()), min_size=1, max_size=5), st.randoms(use_true_random=False)
 )
 @settings(max_examples=examples(40), deadline=None)
-def test_any_transfer_with_every_phase_of_another_length_comes_back(content: list[tuple[int, bool]], random: Random):
+def test_transfers_with_random_lengths_of_phases_are_decoded(content: list[tuple[int, bool]], random: Random):
     samples = bytearray([3]) * random.randint(1, 30)
     samples += bytes([1]) * random.randint(1, 20)  # START
     sda = 0
@@ -99,7 +99,7 @@ def test_any_transfer_with_every_phase_of_another_length_comes_back(content: lis
     assert values[0] == content[0][0] >> 1 and bool(table.read[1]) == bool(content[0][0] & 1)
 
 
-def test_a_row_ends_where_scl_falls_behind_its_last_bit():
+def test_a_row_ends_where_scl_falls_after_its_last_bit():
     table = i2c_table(of("S A6+ P"))  # SDA falls at 10, SCL at 14, rises at 18, 26, ...
     assert rows(table) == [("START", 10, -1), ("ADDRESS", 18, 0x53), ("ACK", 82, -1), ("STOP", 94, -1)]
     assert table.last.tolist() == [10, 74, 82, 94]
@@ -108,7 +108,7 @@ def test_a_row_ends_where_scl_falls_behind_its_last_bit():
 
 
 def test_an_ack_ends_at_the_condition_in_its_pulse():
-    """A STOP, and a repeated START, in the ninth pulse of SCL: no row ends after the next one begins."""
+    """If a STOP or a repeated START is in the ninth pulse of SCL, the row of the ACK ends where it begins."""
     table = i2c_table(of("S 10100110: P .100 S 10100110: Sr A7+ P"))  # in the first, SCL rises at 82, SDA at 86
     assert rows(table)[:4] == [("START", 10, -1), ("ADDRESS", 18, 0x53), ("ACK", 82, -1), ("STOP", 86, -1)]
     assert table.end[:4].tolist() == [10, 78, 86, 86]
@@ -117,36 +117,36 @@ def test_an_ack_ends_at_the_condition_in_its_pulse():
 
 
 @pytest.mark.parametrize(("kept", "ends"), [(82, [10, 78]), (86, [10, 78, 82]), (87, [10, 78, 86, 86])])
-def test_an_ack_ends_at_the_condition_in_its_pulse_also_if_scl_never_falls_again(kept: int, ends: list[int]):
-    """SCL rises at 82, and SDA rises at 86, which is a STOP; the capture ends before, between or after these edges."""
+def test_an_ack_ends_at_the_condition_in_its_pulse_even_if_scl_never_falls_again(kept: int, ends: list[int]):
+    """SCL rises at 82. SDA rises at 86, which is a STOP. The capture ends before, between or after these edges."""
     assert i2c_table(within(of("S 10100110: P"), Span(0, kept))).end.tolist() == ends
 
 
-def test_a_ten_bit_address_is_two_bytes_and_one_number():
+def test_a_ten_bit_address_has_two_bytes_and_one_value():
     bus = of("S F4+ 42+ 99+ Sr F5+ 55- P")
     found = [(kind, value) for kind, _, value in rows(i2c_table(bus)) if value >= 0]
     assert found == [("ADDRESS", 0x7A), ("ADDRESS_LOW", 0x242), ("DATA", 0x99), ("ADDRESS", 0x7A), ("DATA", 0x55)]
     assert streamed(bus) == plain(i2c.events(bus))
 
 
-def test_a_ten_bit_address_that_nobody_acknowledges_is_not_joined():
+def test_the_bytes_of_an_unacknowledged_ten_bit_address_are_not_joined():
     kinds = [kind for kind, _, _ in rows(i2c_table(of("S F4- 42+ P")))]
     assert kinds == ["START", "ADDRESS", "NACK", "DATA", "ACK", "STOP"]
 
 
-def test_bits_of_a_byte_cut_off_are_a_number():
+def test_the_bits_of_a_cut_byte_are_a_number():
     table = i2c_table(of("S 101: P"))
     assert rows(table) == [("START", 10, -1), ("CUT", 18, 0b101), ("STOP", 46, -1)]
     assert table.bits.tolist() == [0, 3, 0]
 
 
-def test_glitches_on_both_lines_are_left_out():
+def test_the_filter_removes_glitches_on_both_lines():
     bus = I2cWave(half=20, hold=6, idle=10).play("S D0+ 1D+ Sr D1+ 55+ A0- P")
     clean = rows(i2c_table(bus.capture()))
     samples = bytearray(bus.samples)
     for place in range(15, len(samples) - 15, 37):
         near = {samples[n] for n in range(place - 4, place + 6)}
-        if len(near) == 1:  # well away from edges
+        if len(near) == 1:  # far from edges
             samples[place] ^= 1
             samples[place + 1] ^= 3
     spiked = of_bytes(bytes(samples), ("SCL", "SDA"))
@@ -154,12 +154,12 @@ def test_glitches_on_both_lines_are_left_out():
     assert rows(i2c_table(spiked, glitch=3)) == clean
 
 
-def test_a_stretch_is_a_long_low_of_its_bit():
+def test_a_stretch_is_a_long_low_phase_of_its_bit():
     bits = i2c_bits(of("S 1: ~300 0:", half=5, hold=2))
     assert bits.low.tolist() == [5, 305] and bits.high.tolist() == [5, -1]
 
 
-def test_nothing_on_an_idle_or_dead_bus():
+def test_an_idle_or_dead_bus_has_no_rows():
     for lines in (
         "SCL --------\nSDA --------",
         "SCL ________\nSDA ________",
@@ -170,24 +170,24 @@ def test_nothing_on_an_idle_or_dead_bus():
         assert len(i2c_bits(drawn(lines)).at) == 0
 
 
-def test_a_missing_channel_is_named():
+def test_a_missing_channel_is_rejected_with_the_existing_ones():
     with pytest.raises(LookupError, match=r"there is no channel 'SCL'; it has a, b"):
         i2c_table(drawn("a ----\nb ----"))
 
 
-NACK = FOLDER / "nack.sr"  # 100 kHz, seen at 4 MHz
+NACK = FOLDER / "nack.sr"  # a 100 kHz bus, sampled at 4 MHz
 
 
 @pytest.mark.parametrize(
     ("rate", "clock"),
     [(1, "0.025 Hz"), (1000, "25 Hz"), (4_000, ""), (4 * 10**6, ""), (200 * 10**6, ""), (4 * 10**9, "1e+08 Hz")],
 )
-def test_a_rate_is_impossible_where_scl_would_run_at_no_rate_of_a_bus(rate: int, clock: str):
+def test_a_rate_is_impossible_if_scl_would_have_an_impossible_frequency(rate: int, clock: str):
     said = impossible_rate(formats.read(NACK, Fraction(rate)), "SCL")
     assert (f"SCL would run at {clock}; expected 100 Hz to 5 MHz" in said) if clock else said == ""
 
 
-def test_with_few_clocks_or_no_rate_nothing_is_said():
-    assert impossible_rate(drawn("SCL -_-_-_-_-_-_-_-_", rate=1), "SCL") == "", "fewer than a byte"
+def test_with_few_clocks_no_rate_is_impossible():
+    assert impossible_rate(drawn("SCL -_-_-_-_-_-_-_-_", rate=1), "SCL") == "", "fewer clocks than in a byte"
     assert impossible_rate(drawn("SCL -" + "_-" * 9, rate=1), "SCL") != ""
     assert impossible_rate(drawn("SCL -" + "_-" * 9, rate=None), "SCL") == ""

@@ -1,4 +1,4 @@
-"""SPI words from edges: every format, chip selects, cut words, unknown stretches; and what sigrok's decoder says."""
+"""Decoder of SPI: every format, chip selects, cut words, unknown spans, and a comparison with sigrok's decoder."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.traces.decode.drawing import drawn, of_bytes
 
 THREE = SpiFormat(3)
 
-# 1 0 1 on MOSI, 0 1 1 on MISO; each bit is there while its latching edge comes, at 6, 10 and 14.
+# 1 0 1 on MOSI, 0 1 1 on MISO; each bit is stable at its latching edge, at 6, 10 and 14.
 DATA = """MOSI ____----____----______
 MISO ________--------______
 CS ---________________---"""
@@ -42,12 +42,12 @@ def test_one_word(mode: tuple[int, int]):
     ]
 
 
-def test_the_least_significant_bit_may_come_first():
+def test_the_least_significant_bit_can_be_first():
     capture = drawn(f"CLK {CLOCKS[0, 0]}\n{DATA}")
     assert spi.events(capture, SpiFormat(3, lsb_first=True))[1] == Event("word", 6, 14, 0b101, 0b110, 3)
 
 
-def test_the_chip_select_may_be_active_high():
+def test_the_chip_select_can_be_active_high():
     capture = drawn(f"CLK {CLOCKS[0, 0]}\n{DATA}\nSS ___----------------___")
     wanted = [Event("select", 3, 3), Event("word", 6, 14, 0b101, 0b011, 3), Event("deselect", 19, 19)]
     assert spi.events(capture, SpiFormat(3, active_high=True), cs="SS") == wanted
@@ -89,7 +89,7 @@ def test_one_data_line_is_enough(mosi: str | None, miso: str | None, word: tuple
             """,
             "CS",
             [Event("select", 6, 6), Event("word", 7, 9, 0b11, 0, 2), Event("deselect", 10, 10)],
-            id="edges with the chip select inactive do not count",
+            id="edges while the chip select is inactive are ignored",
         ),
         pytest.param(
             """
@@ -100,7 +100,7 @@ def test_one_data_line_is_enough(mosi: str | None, miso: str | None, word: tuple
             """,
             "CS",
             [Event("select", 2, 2), Event("word", 2, 5, 0b11, 0b01, 2), Event("deselect", 8, 8)],
-            id="levels that change with the latching edge are the new ones",
+            id="data that change at the latching edge have the new levels",
         ),
         pytest.param(
             """
@@ -115,7 +115,7 @@ def test_one_data_line_is_enough(mosi: str | None, miso: str | None, word: tuple
                 Event("word", 11, 13, 3, 0, 2),
                 Event("cut", 15, 15, 1, 0, 1),
             ],
-            id="nothing is said of a stretch that is not known",
+            id="no word is decoded in an unknown span",
         ),
     ],
 )
@@ -132,12 +132,12 @@ def test_words_of_two_bits(drawing: str, cs: str | None, events: list[Event]):
         ({"phase": -1}, "phase is -1; expected 0 or 1"),
     ],
 )
-def test_a_format_that_cannot_be_is_refused(kind: dict[str, int], text: str):
+def test_invalid_formats_are_rejected(kind: dict[str, int], text: str):
     with pytest.raises(ValueError, match=text):
         SpiFormat(**kind)
 
 
-def test_a_line_that_is_missing_is_told():
+def test_missing_lines_are_rejected():
     capture = drawn(f"CLK {CLOCKS[0, 0]}\n{DATA}")
     with pytest.raises(ValueError, match="no data line; expected mosi, miso or both"):
         spi.events(capture, THREE, mosi=None, miso=None)
@@ -146,7 +146,7 @@ def test_a_line_that_is_missing_is_told():
 
 
 def wave(format_: SpiFormat, words: list[tuple[int, int]], half: int, active: bool = True) -> bytes:
-    """Samples with CLK, MOSI, MISO and CS from bit 0 on: words within one chip select, by hand."""
+    """Samples of words within one chip select. Bits from 0: CLK, MOSI, MISO, CS."""
     idle = format_.polarity
     selected = int(format_.active_high)
     out = [(idle, 0, 0, 1 - selected)] * half
@@ -169,7 +169,7 @@ formats_ = st.builds(SpiFormat, st.integers(1, 64), st.integers(0, 1), st.intege
 
 
 @given(format_=formats_, half=st.integers(1, 5), data=st.data())
-def test_what_was_drawn_is_read(format_: SpiFormat, half: int, data: st.DataObject):
+def test_generated_words_are_decoded(format_: SpiFormat, half: int, data: st.DataObject):
     number = st.integers(0, (1 << format_.bits) - 1)
     words = data.draw(st.lists(st.tuples(number, number), max_size=4))
     found = spi.events(capture_of(wave(format_, words, half)), format_)
@@ -179,7 +179,7 @@ def test_what_was_drawn_is_read(format_: SpiFormat, half: int, data: st.DataObje
     assert ends == [2 * half * (format_.bits - 1)] * len(words)
 
 
-# Sigrok.
+# Comparison with sigrok.
 
 SIGROK = shutil.which("sigrok-cli")
 
@@ -192,7 +192,7 @@ def sigrok_words(path: Path, format_: SpiFormat) -> list[tuple[int, int, int]]:
         "cs_polarity": "active-high" if format_.active_high else "active-low",
     }  # fmt: skip
     command = [str(SIGROK), "-I", "vcd", "-i", str(path), "--protocol-decoder-samplenum"]
-    for line in ("mosi", "miso"):  # a decoder each, spi-1 and spi-2
+    for line in ("mosi", "miso"):  # one decoder each, spi-1 and spi-2
         command += ["-P", ":".join(["spi", f"{line}={line.upper()}", *(f"{k}={v}" for k, v in options.items())])]
     command += ["-A", "spi=mosi-data:miso-data"]
     said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
@@ -214,7 +214,7 @@ def sigrok_words(path: Path, format_: SpiFormat) -> list[tuple[int, int, int]]:
     ],
 )
 def test_sigrok_reads_the_same_words(tmp_path: Path, format_: SpiFormat):
-    """Samples without any sense after three bursts with sense: edges of all lines at once, and words cut short."""
+    """After three regular bursts, the samples are random, with simultaneous edges and cut words."""
     random = Random(31)
     burst = [(random.getrandbits(format_.bits), random.getrandbits(format_.bits)) for _ in range(3)]
     samples = wave(format_, burst, 2) * 3 + bytes(random.choices(range(16), [4] * 8 + [1] * 8, k=400))

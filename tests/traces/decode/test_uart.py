@@ -1,4 +1,4 @@
-"""Frames from edges, with every option, and everything a line can do wrong."""
+"""Decoder of UART frames: every option, and every error of a line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.refusals import refusal
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave
 
-MEGA = Line(baud=100_000)  # ten samples a bit in a drawing
+MEGA = Line(baud=100_000)  # ten samples per bit in a drawing
 
 
 def seen(bits: list[int], line: Line, width: Fraction | int = 10, tail: int = 40) -> list[Event]:
@@ -26,7 +26,7 @@ def seen(bits: list[int], line: Line, width: Fraction | int = 10, tail: int = 40
 
 
 def framed(at: int, end: int, value: int, *faults: int, bits: int = 8) -> Event:
-    """faults: parity error, frame error, glitched, unsure."""
+    """A frame event. faults: parity error, frame error, glitched, unsure."""
     return Event(UartRowKind.FRAME, at, end, value, bits, *faults)
 
 
@@ -45,7 +45,7 @@ def test_one_frame():
 @pytest.mark.parametrize("parity", uart.PARITIES)
 @pytest.mark.parametrize("bits", [5, 7, 8, 9])
 @pytest.mark.parametrize("stop", [1, 2])
-def test_every_shape_of_frame(parity: str, bits: int, stop: int):
+def test_every_frame_format(parity: str, bits: int, stop: int):
     line = Line(100_000, bits, parity, stop)
     value = 0x155 & (1 << bits) - 1
     end = 20 + 10 * (1 + bits + (parity != "none") + stop)
@@ -68,7 +68,7 @@ def test_a_low_stop_bit_is_a_frame_error():
     assert seen([*frame_bits(0xF0)[:-1], 0], MEGA) == [framed(20, 120, 0xF0, False, True)]
 
 
-def test_a_low_phase_as_long_as_a_frame_is_a_break_too():
+def test_a_low_phase_as_long_as_a_frame_is_also_a_break():
     assert seen([0] * 10, MEGA) == [framed(20, 120, 0, False, True), broken(20, 120)]
     assert seen([0] * 14, MEGA) == [framed(20, 120, 0, False, True), broken(20, 160)]
     assert seen([0] * 9, MEGA) == [framed(20, 120, 0)]
@@ -90,7 +90,7 @@ def test_a_low_glitch_shorter_than_half_a_bit_is_a_rejected_start():
 
 
 def glitched(*places: int, value: int = 0x4B, vote: bool = False) -> list[Event]:
-    """A frame of ten samples a bit from sample 20 on, with single samples turned over."""
+    """Events of a frame with ten samples per bit from sample 20, with single samples inverted."""
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(value))], Fraction(10), 200))
     for place in places:
         samples[place] ^= 1
@@ -98,13 +98,14 @@ def glitched(*places: int, value: int = 0x4B, vote: bool = False) -> list[Event]
 
 
 @pytest.mark.parametrize("place", range(21, 114))
-def test_a_glitch_makes_the_bit_unsure_at_whose_place_receivers_look(place: int):
-    r"""
+def test_a_glitch_in_the_window_where_receivers_sample_makes_the_bit_unsure(place: int):
+    r"""The windows of the bits:
+
     bit                0         1         2
         ----__________----------__________...
              \ ^^^^^^^  ..^^^^^^.  ..^^^^^^.     ^ in the window, . outside of it
     """
-    if place % 10 in (9, 0):  # beside an edge of the frame it only moves that edge
+    if place % 10 in (9, 0):  # next to an edge of the frame, it only moves the edge
         return
     (frame,) = glitched(place, vote=True)
     bit, within = divmod(place - 20, 10)
@@ -112,21 +113,21 @@ def test_a_glitch_makes_the_bit_unsure_at_whose_place_receivers_look(place: int)
     assert frame == framed(20, 120, 0x4B, False, False, True, 1 << bit if inside else 0)
 
 
-def test_a_glitch_at_the_middle_of_a_bit_fools_one_look_and_not_three():
-    """4B has the bits 1 1 0 1 0 0 1 0; the third one is looked at at sample 55."""
+def test_a_glitch_in_the_middle_of_a_bit_changes_one_sample_but_not_a_vote_of_three():
+    """4B has the bits 1 1 0 1 0 0 1 0. The third one is sampled at 55."""
     assert glitched(55) == [framed(20, 120, 0x4F, False, False, True, 1 << 3)]
     assert glitched(55, vote=True) == [framed(20, 120, 0x4B, False, False, True, 1 << 3)]
-    assert glitched(54, 55, vote=True) == [framed(20, 120, 0x4F, False, False, True, 1 << 3)], "two looks of three"
+    assert glitched(54, 55, vote=True) == [framed(20, 120, 0x4F, False, False, True, 1 << 3)], "two of three samples"
 
 
-def test_two_glitches_in_the_start_bit_are_the_start_bits_and_a_vote_may_reject_it():
+def test_glitches_in_the_start_bit_make_it_unsure_and_a_vote_can_reject_it():
     (frame,) = glitched(22, 27)
     assert frame.kind is UartRowKind.FRAME and (frame.value, frame.unsure) == (0x4B, 1)
     rejected, *_ = glitched(24, 26, vote=True)
-    assert rejected == Event(UartRowKind.REJECTED, 20, 24), "high at the first and the last of three looks"
+    assert rejected == Event(UartRowKind.REJECTED, 20, 24), "the first and the last of the three samples are high"
 
 
-def test_a_pulse_of_half_a_bit_is_no_glitch():
+def test_a_pulse_of_half_a_bit_is_not_a_glitch():
     (frame,) = glitched(50, 51, 52, 53, 54)
     assert frame == framed(20, 120, 0x4B)
 
@@ -136,11 +137,11 @@ def test_a_line_that_starts_low_waits_for_its_first_falling_edge():
     assert uart.events(of_bytes(samples, ("RX",)), "RX", MEGA) == [framed(55, 155, 0x12)]
 
 
-def test_a_line_that_comes_from_low_and_stays_high_holds_nothing():
+def test_a_line_that_rises_once_has_no_frames():
     assert uart.events(drawn("RX " + "_" * 120 + "-" * 20), "RX", MEGA) == []
 
 
-def test_frames_back_to_back_and_a_sender_five_percent_fast():
+def test_consecutive_frames_and_a_sender_five_percent_fast():
     for width in (Fraction(10), Fraction(96, 10)):
         frames = [(20 + 10 * width * n, frame_bits(byte)) for n, byte in enumerate(b"U\x00\xff3")]
         samples = uart_wave(frames, width, 500)
@@ -149,13 +150,13 @@ def test_frames_back_to_back_and_a_sender_five_percent_fast():
 
 
 @pytest.mark.parametrize("kept", [1, 4, 6, 25, 94])
-def test_a_frame_cut_by_the_end_of_the_capture_says_its_bits(kept: int):
+def test_a_frame_cut_by_the_end_of_the_capture_has_its_bits(kept: int):
     samples = uart_wave([(Fraction(20), frame_bits(0b1100101))], Fraction(10), 20 + kept)
     bits = (1, 0, 1, 0, 0, 1, 1, 0)[: max(0, (kept - 6) // 10)]
     assert uart.events(of_bytes(samples, ("RX",)), "RX", MEGA) == [cut(20, 20 + kept, bits)]
 
 
-def test_a_gap_cuts_a_frame_and_what_follows_is_read_afresh():
+def test_an_unknown_span_cuts_a_frame_and_later_frames_are_decoded():
     wave = uart_wave([(Fraction(20), frame_bits(0x4B)), (Fraction(300), frame_bits(0x21))], Fraction(10), 450)
     marks = "".join("_-"[level] for level in wave)
     holed = drawn(f"RX {marks[:70]}{'?' * 100}{marks[170:]}")
@@ -171,7 +172,7 @@ def test_an_inverted_line():
 
 @given(st.integers(0, 255), st.integers(30, 2000), st.integers(0, 99))
 @settings(max_examples=examples(40), deadline=None)
-def test_any_byte_at_any_width_from_three_samples_and_any_phase(value: int, tenths: int, phase: int):
+def test_any_byte_is_decoded_at_any_phase_with_three_or_more_samples_per_bit(value: int, tenths: int, phase: int):
     width = Fraction(tenths, 10)
     begin = 20 + Fraction(phase, 100)
     samples = uart_wave([(begin, frame_bits(value))], width, 40 + int(11 * width))
@@ -189,5 +190,5 @@ def test_any_byte_at_any_width_from_three_samples_and_any_phase(value: int, tent
         ({"baud": 9600, "stop": 3}, "3 stop bits; expected 1, 3/2 or 2"),
     ],
 )
-def test_wrong_options_are_refused(options: dict[str, Any], message: str):
+def test_invalid_options_are_rejected(options: dict[str, Any], message: str):
     assert refusal(ValueError, Line, **options) == message

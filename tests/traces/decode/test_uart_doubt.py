@@ -1,4 +1,4 @@
-"""Check of a stated baud rate: a wrong rate is doubted and the right one named, and a right rate is never doubted."""
+"""Check of a stated baud rate: a wrong rate is doubted and the correct one named; a correct one is never doubted."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def rate_named(capture: Capture, line: Line) -> float | None:
 
 @given(RATES, FACTORS, st.sampled_from(["8n1", "8n1", "7e1", "8e1", "8o1", "8n2"]), st.integers(0, 10**6))
 @settings(max_examples=examples(30), deadline=None)
-def test_a_wrong_rate_is_doubted_and_the_right_one_named(baud: int, factor: float, shape: str, seed: int):
+def test_a_wrong_rate_is_doubted_and_the_correct_one_named(baud: int, factor: float, shape: str, seed: int):
     capture = sent(baud, shape, Random(seed).randbytes(60), rate=10 * baud)
-    # The rate named is a usual one if that is within 3.5 %.
+    # The named rate is a usual one if there is one within 3.5 %.
     assert rate_named(capture, line_of(str(round(baud * factor)))) == pytest.approx(baud, rel=0.0375)
 
 
@@ -76,7 +76,7 @@ def impaired(capture: Capture, kind: str, random: Random, bit: int) -> Capture:
     st.integers(0, 10**6),
 )
 @settings(max_examples=examples(60), deadline=None)
-def test_a_right_rate_is_not_doubted(baud: int, shape: str, values: bytes, kind: str, off: float, seed: int):
+def test_a_correct_rate_is_not_doubted(baud: int, shape: str, values: bytes, kind: str, off: float, seed: int):
     random = Random(seed)
     capture = impaired(sent(baud, shape, values, random.randrange(20), rate=12 * baud), kind, random, 12)
     assert rate_doubt(capture, "RX", line_of(str(round(baud * off) if not kind else baud), shape)) is None
@@ -92,7 +92,7 @@ def test_a_right_rate_is_not_doubted(baud: int, shape: str, values: bytes, kind:
         [],
     ],
 )
-def test_breaks_and_bytes_without_single_bits_are_no_reason(frames: list[list[int]]):
+def test_breaks_and_bytes_without_single_bits_cause_no_doubt(frames: list[list[int]]):
     begin, placed = Fraction(40), []
     for bits in frames:
         placed.append((begin, bits))
@@ -105,25 +105,25 @@ def test_breaks_and_bytes_without_single_bits_are_no_reason(frames: list[list[in
     ("true", "stated", "bits"),
     [(9600, 115200, "12 to 38"), (115200, 9600, "0.083 to 0.25"), (1200, 115200, "96 to 310")],
 )
-def test_a_rate_many_times_too_high_or_low_is_doubted_by_the_low_pulses(true: int, stated: int, bits: str):
-    """Nearly all frames begin with a break then, or all bytes are in one or two frames."""
+def test_a_rate_many_times_too_high_or_low_is_doubted_because_of_the_low_pulses(true: int, stated: int, bits: str):
+    """At such a rate nearly all frames begin with a break, or all bytes are in one or two frames."""
     capture = sent(true, "8n1", TEXT if stated > true else TEXT[:16], pause=0, rate=1_843_200)
     said, other = rate_doubt(capture, "RX", line_of(str(stated))) or ("", None)
     assert (said, other) == (f"most low pulses are {bits} bits long at {stated} baud, 8n1", line_of(str(true)))
 
 
-def test_short_pulses_alone_are_no_faster_line():
+def test_short_pulses_alone_are_not_a_faster_line():
     drawing = "".join("-" * (7 + n % 5) + "_" * (1 + n % 2) for n in range(40))
     assert rate_doubt(drawn(f"RX {drawing}----"), "RX", line_of("9600")) is None
 
 
-def test_a_line_of_another_polarity_has_no_other_rate():
+def test_no_other_rate_is_named_for_a_line_of_the_other_polarity():
     assert rate_doubt(sent(9600, "8n1", TEXT, pause=30, invert=True), "RX", line_of("9600")) is None
     assert rate_named(sent(9600, "8n1", TEXT, invert=True), line_of("19200", invert=True)) == 9600
 
 
 def test_only_the_beginning_of_a_long_capture_is_checked(monkeypatch: pytest.MonkeyPatch):
-    """After a third of its edges, the line has half the rate."""
+    """The line has half the rate after the first third of its edges."""
     first, second = (sent(baud, "8n1", TEXT, rate=153_600) for baud in (19200, 9600))
     edges = [first.channels[0].edges, first.length + second.channels[0].edges]
     edges += [first.length + second.length + second.channels[0].edges]
@@ -136,7 +136,7 @@ def test_only_the_beginning_of_a_long_capture_is_checked(monkeypatch: pytest.Mon
     assert rate_named(both, line_of("9600")) == 19200
 
 
-def test_a_capture_that_is_too_coarse_or_has_no_rate_is_refused():
+def test_a_capture_that_is_too_coarse_or_has_no_rate_is_rejected():
     with pytest.raises(ValueError, match="samples a bit"):
         rate_doubt(drawn("RX --__--__--"), "RX", line_of("900000"))
     with pytest.raises(ValueError, match="need a time base"):

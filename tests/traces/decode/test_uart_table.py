@@ -1,4 +1,4 @@
-"""The UART table against the reader of a wire, and the glitch filter."""
+"""Table of UART frames: agreement with the reader of a wire, random lines, and the glitch filter."""
 
 from __future__ import annotations
 
@@ -35,10 +35,12 @@ from tests.traces.formats.writers import frame_bits, uart_wave
     st.integers(4, 30),
 )
 @settings(max_examples=examples(80), deadline=None)
-def test_the_reader_of_a_wire_gives_the_same_frames(
+def test_the_reader_of_a_wire_finds_the_same_frames(
     sent: list[tuple[int, int]], spikes: list[int], form: UartFormat, width: int
 ):
-    """Up to what it reads otherwise: a start bit that is over in its middle, and a fall in the middle of a stop bit."""
+    """They agree up to the first start bit that ends before its middle or fall in the middle of a stop bit, which the
+    reader treats differently.
+    """
     begin, frames = Fraction(20), []
     for value, pause in sent:
         frames.append((begin, frame_bits(value & (1 << form.bits) - 1, form.bits, form.parity)))
@@ -48,34 +50,37 @@ def test_the_reader_of_a_wire_gives_the_same_frames(
         samples[1 + spike % (len(samples) - 1)] ^= 1
     capture = of_bytes(bytes(samples), ("RX",))
     found = uart.events(capture, "RX", Line(Fraction(10**6, width), form.bits, form.parity))
-    heard = heard_on_wire(capture.channels[0], form, width)
+    of_reader = read_on_wire(capture.channels[0], form, width)
     middle = (2 * form.length - 1) * width // 2
     falls = set(capture.channels[0].edges.tolist())
     until = min(
         (one.at for one in found if one.kind not in (UartRowKind.FRAME, UartRowKind.BREAK) or one.at + middle in falls),
         default=len(samples),
     )
-    assert [(one.begin, one.value, one.good) for one in heard if one.begin < until] == [
+    assert [(one.begin, one.value, one.good) for one in of_reader if one.begin < until] == [
         (one.at, one.value, not (one.parity_error or one.frame_error))
         for one in found
         if one.kind is UartRowKind.FRAME and one.at < until
     ]
 
 
-def heard_on_wire(line: Channel, form: UartFormat, width: int) -> list[LineFrame]:
-    """The frames of a line that is played on a wire, a sample a tick. The counter of characters has the same begins."""
+def read_on_wire(line: Channel, form: UartFormat, width: int) -> list[LineFrame]:
+    """Frames that UartReader finds when the line is replayed on a wire, one sample per tick.
+
+    The counter of characters must find the same begins.
+    """
     kernel = Kernel()
     wire = Wire(kernel, line.name, Recorder())
-    pin, heard = wire.attach("sender"), []
-    UartReader(wire, lambda: (Fraction(width), form)).on_end.append(heard.append)
+    pin, of_reader = wire.attach("sender"), []
+    UartReader(wire, lambda: (Fraction(width), form)).on_end.append(of_reader.append)
     counter, begins = UartCounter(wire, lambda: (Fraction(width), form)), []
     counter.on_character.append(begins.append)
     for at, level in zip([0, *line.edges.tolist()], [line.initial, *line.levels.tolist()], strict=True):
         kernel.call_at(at, partial(pin.drive, level))
     kernel.run_until(kernel.now + 10**6)
     counter.finish(kernel.now)
-    assert begins == [one.begin for one in heard]
-    return heard
+    assert begins == [one.begin for one in of_reader]
+    return of_reader
 
 
 @given(
@@ -86,7 +91,7 @@ def heard_on_wire(line: Channel, form: UartFormat, width: int) -> list[LineFrame
     st.integers(5, 9),
 )
 @settings(max_examples=examples(40), deadline=None)
-def test_frames_come_back_and_cut_anywhere_never_raise(
+def test_frames_are_decoded_and_a_capture_can_be_cut_anywhere(
     sent: list[tuple[int, int]], parity: str, tenths: int, kept: int, bits: int
 ):
     width = Fraction(tenths, 10)
@@ -113,8 +118,8 @@ def test_frames_come_back_and_cut_anywhere_never_raise(
     st.randoms(use_true_random=False),
 )
 @settings(max_examples=examples(40), deadline=None)
-def test_frames_with_every_edge_a_little_off_come_back(sent: bytes, tenths: int, jitter: int, random: Random):
-    """Two edges off by 12 percent each, and the samples they fall between, leave the middle of a bit alone."""
+def test_frames_with_jitter_on_every_edge_are_decoded(sent: bytes, tenths: int, jitter: int, random: Random):
+    """Jitter of up to 12 percent and the sampling of edges do not reach the middle of a bit."""
     width = Fraction(tenths, 10)
     levels, at = [(Fraction(0), 1)], Fraction(30)
     for value in sent:
@@ -130,8 +135,8 @@ def test_frames_with_every_edge_a_little_off_come_back(sent: bytes, tenths: int,
 
 @given(st.binary(min_size=1, max_size=4), st.integers(20, 200), st.integers(1, 40), st.integers(0, 7))
 @settings(max_examples=examples(40), deadline=None)
-def test_time_stamps_are_read_as_the_samples_that_they_are_of(sent: bytes, tenths: int, tick: int, noise: int):
-    """The same line as samples, and as ticks of a file of times: the same bytes, also with glitches."""
+def test_time_stamps_are_decoded_like_the_samples_that_they_come_from(sent: bytes, tenths: int, tick: int, noise: int):
+    """The same line as samples and as time stamps has the same bytes, even with glitches."""
     width = Fraction(tenths, 10)
     frames = [(Fraction(20) + 11 * width * n, frame_bits(value)) for n, value in enumerate(sent)]
     line = bytearray(uart_wave(frames, width, int(40 + 11 * width * len(sent))))
@@ -145,17 +150,19 @@ def test_time_stamps_are_read_as_the_samples_that_they_are_of(sent: bytes, tenth
     )
     of_samples = uart_table(capture, "RX", Line(Fraction(10**7, tenths)))
     of_stamps = uart_table(stamps, "RX", Line(Fraction(10**7, tenths)))
-    step = sample_step(stamps)  # by chance of every second sample or so
+    step = sample_step(stamps)  # larger than `tick` if, by chance, all edges are on a coarser grid
     if step == tick:
         assert of_stamps.value.tolist() == of_samples.value.tolist()
         assert (of_stamps.at // tick).tolist() == of_samples.at.tolist()
     if not noise:
-        assert of_stamps.value.tolist() == list(sent), "also where the edges lie on no finer raster than the bits"
+        assert of_stamps.value.tolist() == list(sent), (
+            "the bytes are correct even if the edges are on the grid of the bits"
+        )
 
 
 @pytest.mark.parametrize("places", [(54,), (55,), (56,), (54, 55), (54, 56), (55, 56)])
-def test_two_looks_of_three_outvote_the_third(places: tuple[int, ...]):
-    """The third data bit of 4B is 0; it is looked at at samples 54, 55 and 56."""
+def test_two_of_three_samples_outvote_the_third(places: tuple[int, ...]):
+    """The third data bit of 4B is 0. It is sampled at 54, 55 and 56."""
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
     for place in places:
         samples[place] ^= 1
@@ -164,7 +171,7 @@ def test_two_looks_of_three_outvote_the_third(places: tuple[int, ...]):
     assert table.value.tolist() == [0x4F if len(places) == 2 else 0x4B]
 
 
-def test_a_break_stands_behind_the_frame_it_also_makes():
+def test_a_break_follows_the_frame_that_it_also_is():
     table = uart_table(of_bytes(uart_wave([(Fraction(20), [0] * 14)], Fraction(10), 300), ("RX",)), "RX", Line(100_000))
     assert [UartRowKind(kind).name for kind in table.kind.tolist()] == ["FRAME", "BREAK"]
     assert table.at.tolist() == [20, 20] and table.end.tolist() == [120, 160]
@@ -172,8 +179,8 @@ def test_a_break_stands_behind_the_frame_it_also_makes():
 
 
 @pytest.mark.parametrize(("length", "glitched"), [(1, True), (4, True), (5, False), (6, False)])
-def test_what_is_shorter_than_half_a_bit_is_a_glitch(length: int, glitched: bool):
-    """In a low bit of ten samples."""
+def test_a_pulse_shorter_than_half_a_bit_is_a_glitch(length: int, glitched: bool):
+    """The pulse is in a low bit of ten samples."""
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x00))], Fraction(10), 200))
     for place in range(length):
         samples[62 + place] ^= 1
@@ -184,8 +191,8 @@ def test_what_is_shorter_than_half_a_bit_is_a_glitch(length: int, glitched: bool
 
 
 @pytest.mark.parametrize(("place", "unsure"), [(61, 0), (62, 1 << 4), (67, 1 << 4), (68, 1 << 4), (69, 0)])
-def test_a_glitch_that_reaches_into_the_window_of_a_bit_makes_it_unsure(place: int, unsure: int):
-    """Two samples long, in a low bit from sample 60 on whose window is samples 63 to 68."""
+def test_a_glitch_that_overlaps_the_window_of_a_bit_makes_it_unsure(place: int, unsure: int):
+    """The glitch has two samples, in a low bit that begins at sample 60 and has its window at samples 63 to 68."""
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x00))], Fraction(10), 200))
     samples[place : place + 2] = b"\x01\x01"
     capture = of_bytes(bytes(samples), ("RX",))
@@ -193,7 +200,7 @@ def test_a_glitch_that_reaches_into_the_window_of_a_bit_makes_it_unsure(place: i
     assert (table.glitched.tolist(), table.unsure.tolist()) == ([True], [unsure])
 
 
-def test_a_glitch_in_a_frame_is_left_out():
+def test_the_filter_removes_a_glitch_in_a_frame():
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
     samples[55] ^= 1  # in the middle of a bit
     samples[150] ^= 1
@@ -201,7 +208,7 @@ def test_a_glitch_in_a_frame_is_left_out():
     assert uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(100_000), glitch=2).value.tolist() == [0x4B]
 
 
-def test_a_capture_without_a_rate_or_with_too_low_a_rate_is_refused():
+def test_a_capture_without_a_rate_or_with_too_low_a_rate_is_rejected():
     with pytest.raises(ValueError, match="frames need a time base and the file states no rate; state the rate"):
         uart_table(drawn("RX ----", rate=None), "RX", Line(9600))
     with pytest.raises(ValueError, match=r"0.00 samples a bit at 9600 baud; expected at least 2"):

@@ -1,4 +1,4 @@
-"""Two runs as lists of transfers, words with times: `START 0  address 53 W 10  ...` become groups and a diff."""
+"""Runs written as text, words with positions such as `START 0, address 53 W 10`, and the diff of two runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def event(word: str, at: int) -> Event:
 
 
 def group(text: str) -> Group:
-    """`START 0, address 53 W 10, ACK 19`: words with their positions."""
+    """Parse a group such as `START 0, address 53 W 10, ACK 19`: words with their positions."""
     found = []
     for part in text.split(","):
         word, _, at = part.strip().rpartition(" ")
@@ -34,8 +34,8 @@ def diffed(
     return compared(Pairing(rates).pairs(a, b), ("a", "b"), rates, tolerance)
 
 
-def told(diff: TraceDiff) -> list[str]:
-    """What is not the same in both: `-byte 12`, `+ACK`, `ACK > NACK`."""
+def differences(diff: TraceDiff) -> list[str]:
+    """The differing events of a diff as text: `-byte 12`, `+ACK`, `ACK > NACK`."""
     found = []
     for entry in diff.entries:
         if entry.b is None:

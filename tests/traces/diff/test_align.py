@@ -1,4 +1,4 @@
-"""Runs that two sequences have in common, drawn as letters."""
+"""Alignment of two sequences: common runs of letters, and of transfers in a polling loop."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LETTERS = st.text(alphabet="abc", max_size=30)
 
 
 def aligned(a: str, b: str) -> tuple[str, str]:
-    """Both texts, one column a pair, `.` where one has nothing."""
+    """Both texts with one column per pair, and `.` where one of them has no letter."""
     top, bottom = "", ""
     at_a = at_b = 0
     for run in [*align([*map(ord, a)], [*map(ord, b)]), Run(len(a), len(b), 0)]:
@@ -26,7 +26,7 @@ def aligned(a: str, b: str) -> tuple[str, str]:
 
 
 def longest_common(a: str, b: str) -> int:
-    """The plain quadratic way."""
+    """Length of the longest common subsequence, by the simple quadratic algorithm."""
     above = [0] * (len(b) + 1)
     for one in a:
         row = [0]
@@ -49,12 +49,12 @@ def longest_common(a: str, b: str) -> int:
         ("xab", "aby", "xab.", ".aby"),
     ],
 )
-def test_drawn(a, b, top, bottom):
+def test_common_runs_are_aligned(a, b, top, bottom):
     assert aligned(a, b) == (top, bottom)
 
 
 @given(LETTERS, LETTERS)
-def test_runs_are_equal_in_order_and_as_many_as_can_be(a, b):
+def test_runs_are_equal_in_order_and_of_maximal_length(a, b):
     runs = align([*map(ord, a)], [*map(ord, b)])
     assert all(a[run.a : run.a + run.length] == b[run.b : run.b + run.length] and run.length for run in runs)
     ends = [(run.a + run.length, run.b + run.length) for run in runs]
@@ -63,7 +63,7 @@ def test_runs_are_equal_in_order_and_as_many_as_can_be(a, b):
 
 
 @given(LETTERS, LETTERS, st.integers(1, 4))
-def test_with_a_bound_on_the_search_runs_are_still_equal_and_in_order(a, b, most):
+def test_with_a_limited_search_runs_are_equal_and_in_order(a, b, most):
     before, module.MOST_EDITS = module.MOST_EDITS, most
     try:
         top, bottom = aligned(a, b)
@@ -73,8 +73,8 @@ def test_with_a_bound_on_the_search_runs_are_still_equal_and_in_order(a, b, most
     assert all(one == other or "." in (one, other) for one, other in zip(top, bottom, strict=True))
 
 
-def test_a_hundred_thousand_equal_items_with_two_missing_are_no_matter(monkeypatch):
-    """A polling loop repeats itself; what is counted is comparisons of whole arrays, not seconds."""
+def test_a_hundred_thousand_items_are_aligned_with_few_comparisons(monkeypatch):
+    """A polling loop repeats itself. The test counts comparisons of whole arrays, not seconds."""
     counted = []
     same = module.equal_from_start
     monkeypatch.setattr(module, "equal_from_start", lambda a, b: counted.append(1) or same(a, b))
@@ -85,7 +85,7 @@ def test_a_hundred_thousand_equal_items_with_two_missing_are_no_matter(monkeypat
 
 
 def polls(count: int, period: int = 1000, jitter: list[int] | None = None) -> list[Group]:
-    """A polling loop: the same transfer for ever."""
+    """A polling loop, which makes the same transfer `count` times."""
     moved = jitter or [0] * count
     return [
         group(f"START {at}, address 53 R {at + 10}, NACK {at + 90}, STOP {at + 95}")
@@ -94,7 +94,7 @@ def polls(count: int, period: int = 1000, jitter: list[int] | None = None) -> li
 
 
 @pytest.mark.parametrize("gone", [1, 2, 7, 18, 19])
-def test_the_missing_poll_is_the_one_whose_time_is_free(gone):
+def test_the_missing_poll_is_the_one_whose_time_has_no_transfer(gone):
     a = polls(20)
     b = a[:gone] + a[gone + 1 :]
     found = diffed(a, b)
@@ -104,7 +104,7 @@ def test_the_missing_poll_is_the_one_whose_time_is_free(gone):
     assert [entry.b for entry in back.inserted] == a[gone] and not back.late
 
 
-def test_a_missing_first_poll_is_known_only_if_something_else_came_before():
+def test_a_missing_first_poll_is_found_if_another_transfer_is_before_it():
     first = group("START 0, address 1E W 10, NACK 90, STOP 95")
     a = [first, *polls(5)]
     b = [first, *polls(5)[1:]]
@@ -112,14 +112,14 @@ def test_a_missing_first_poll_is_known_only_if_something_else_came_before():
 
 
 @given(st.integers(1, 28), st.lists(st.integers(-1, 1), min_size=30, max_size=30))
-def test_sampling_jitter_does_not_matter(gone, jitter):
+def test_the_missing_poll_is_found_in_spite_of_sampling_jitter(gone, jitter):
     a, b = polls(30), polls(30, jitter=jitter)
     found = diffed(a, b[:gone] + b[gone + 1 :])
     assert [entry.a for entry in found.missing] == a[gone] and not found.late
 
 
-def test_an_added_poll_that_takes_its_time_moves_what_is_behind_it():
-    """The loop makes one more round between two other transfers."""
+def test_an_added_poll_delays_the_transfers_after_it():
+    """The loop has one more poll between two other transfers."""
     other = "START {0}, address 68 R {0}, ACK {0}, STOP {0}"
     a = [group(other.format(0)), *polls(4), group(other.format(4500))]
     b = [group(other.format(0)), *polls(5), group(other.format(5500))]
@@ -128,15 +128,15 @@ def test_an_added_poll_that_takes_its_time_moves_what_is_behind_it():
     assert [point.step for point in found.change_points] == [1000]
 
 
-def test_where_both_explain_it_the_one_without_lateness_is_taken():
-    """A capture that began a poll later: the first is missing, nothing is late."""
+def test_a_missing_poll_is_preferred_to_a_delay_as_the_explanation():
+    """The second capture began one poll later, so the first poll is missing and no transfer is late."""
     other = group("START 3500, address 68 R 3510, ACK 3590, STOP 3595")
     a = [*polls(3), other]
     found = diffed(a, a[1:])
     assert [entry.a for entry in found.missing] == a[0] and found.offset == 0 and not found.late
 
 
-def test_two_polls_missing_at_two_places():
+def test_two_missing_polls_are_found():
     a = polls(40)
     b = [poll for number, poll in enumerate(a) if number not in (11, 30)]
     found = diffed(a, b)

@@ -1,4 +1,4 @@
-"""Real captures and their conversions to other formats: the same events at the same times."""
+"""Real captures and their conversions to other formats have the same events at the same times."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ def test_the_same_uart_in_two_files():
 
 
 def test_a_stop_and_a_start_instead_of_a_repeated_start():
-    """The captures' own tale: the same read, once with a repeated START, once with STOP and START."""
+    """The captures have the same read, once with a repeated START and once with STOP and START."""
     found = diff_i2c(capture("i2c_ad5258_read_once"), capture("i2c_ad5258_stop_norestart"))
     assert [entry.b.word for entry in found.inserted] == ["STOP"] and not found.missing
     assert [(entry.a.word, entry.b.word) for entry in found.changed] == [("repeated START", "START")]
-    assert [point.entry for point in found.change_points] == found.changed, "only there does it take longer"
+    assert [point.entry for point in found.change_points] == found.changed, "only this event is later"
 
 
-def test_a_snippet_is_found_in_the_capture_it_is_cut_from():
+def test_a_snippet_is_found_in_the_capture_that_it_was_cut_from():
     found = diff_i2c(capture("i2c_cat24c256_ackpoll"), capture("i2c_cat24c256_flash_1M_edges"))
     assert not found.missing and not found.changed and not found.change_points
     assert found.offset == 349_056 and len(found.entries) - len(found.inserted) == 1_225

@@ -1,4 +1,4 @@
-"""Which transfer is like which: by words in common, by addresses, by shape."""
+"""Similarity of transfers, by common words, by addresses and by shape; groups of events of a capture."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ READ_68 = "START 0, address 68 R 1, ACK 2, byte 01 3, ACK 4, byte 02 5, NACK 6, 
         ("START 0, address 68 R 1, NACK 2, STOP 3", 2 * 4 / 12),
         ("START 0, address 53 W 1, NACK 2, STOP 3", 2 * 3 / 12),
         ("START 0, address 53 W 1, ACK 2, byte 11 3, ACK 4, byte 22 5, ACK 6, byte 33 7, ACK 8", 2 * 3 / 17),
-        ("START 0, address 68 R 1, ACK 2, byte 11 3", ENOUGH),  # the same address, and in fact half
+        ("START 0, address 68 R 1, ACK 2, byte 11 3", ENOUGH),  # the same address
         ("START 0, address 1E W 1, ACK 2, byte 11 3, ACK 4, byte 22 5, NACK 6, STOP 7", 5 / 8),
         ("STOP 0", 2 / 9),
     ],
 )
-def test_how_alike_two_transfers_are(other, share):
+def test_the_similarity_of_two_transfers(other, share):
     assert similarity(group(READ_68), group(other)) == pytest.approx(share)
     assert similarity(group(other), group(READ_68)) == pytest.approx(share)
 
 
-def test_one_shape_is_enough_with_no_word_in_common():
+def test_equal_shape_without_a_common_word_is_similar_enough():
     assert similarity([group("byte 41 0")[0]], [group("byte 42 0")[0]]) == ENOUGH
     assert similarity([group("byte 41 0")[0]], [group("STOP 0")[0]]) == 0
 
 
-def test_of_all_ways_to_pair_the_one_with_most_likeness():
+def test_the_pairing_with_the_highest_similarity_is_chosen():
     a = [group(READ_68), group(READ_68.replace("byte 01", "byte 77"))]
     b = [
         group(READ_68.replace("byte 01", "byte 77").replace("byte 02", "byte 78")),
@@ -62,7 +62,7 @@ def test_transfers_are_groups_of_words():
     assert [word for _, word, _ in second] == ["START", "cut byte 101"]
 
 
-def test_what_comes_before_the_first_start_is_left_out():
+def test_bits_before_the_first_start_are_left_out():
     capture = drawn("""
     SCL __--__--__--__--------
     SDA --_________------___--
@@ -70,7 +70,7 @@ def test_what_comes_before_the_first_start_is_left_out():
     assert [[event.word for event in group] for group in i2c_groups(capture, "SCL", "SDA")] == [["START", "STOP"]]
 
 
-def test_frames_say_their_errors_and_breaks_are_events():
+def test_frames_have_their_errors_and_breaks_are_events():
     width = Fraction(10)
     frames = [
         (Fraction(20), frame_bits(0x41, 8, "even")),

@@ -1,4 +1,4 @@
-"""Timing diagrams in characters, drawn beside what they must look like; and read back."""
+"""Timing diagrams as text, compared with drawings and with the levels that they show."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ US = 1e-6
 
 
 def drawn(*lanes: Lane, marks: tuple[Mark, ...] = (), window: tuple[float, float] = WINDOW, axis: str = "") -> str:
-    """32 columns of one microsecond each, behind 8 of names."""
+    """A diagram with 8 columns of names and 32 columns of one microsecond each."""
     return "\n".join(text_diagram(lanes, window, marks, axis, 40))
 
 
 def wave(initial: int, *edges: float) -> Lane:
-    """A lane that turns over at each of these microseconds."""
+    """A lane whose level changes at each of these times, in microseconds."""
     return Lane("SCL", "", initial=initial, edges=tuple((at * US, 1 - (initial + n) % 2) for n, at in enumerate(edges)))
 
 
 def picture(text: str) -> str:
-    """A drawing of a test: without its indentation and its first line."""
+    """Return a drawing of a test without its indentation and its first line."""
     return "\n".join(line.removeprefix("    |") for line in text.splitlines()[1:])
 
 
@@ -52,7 +52,7 @@ AXIS = """
     |        ──┘                            └""",
         ),
         (
-            wave(1, 4.0, 4.4, 10.1, 10.3, 10.6),  # a pulse within a column, and three edges
+            wave(1, 4.0, 4.4, 10.1, 10.3, 10.6),  # a pulse within a column, and three edges within another
             """
     |SCL     ────░─────░
     |            ░     ░─────────────────────""",
@@ -85,7 +85,7 @@ def test_lanes(lane: Lane, rows: str) -> None:
     assert drawn(lane) == picture(rows + AXIS)
 
 
-def test_marks_point_at_their_column_and_stay_within_the_width() -> None:
+def test_marks_are_at_their_column_and_within_the_width() -> None:
     marks = (Mark(30 * US, "ends, 26 us later"), Mark(4 * US, "begins"), Mark(50 * US, "never"))
     assert drawn(wave(1, 4), marks=marks, axis="after START") == picture("""
     |            v begins
@@ -110,7 +110,9 @@ def test_longer_names_move_the_waves() -> None:
         ((wave(1),), (0.0, 1.0), 27, "a diagram 27 wide; expected 28 or more for these lanes"),
     ],
 )
-def test_refusals(lanes: tuple[Lane, ...], window: tuple[float, float], width: int, said: str) -> None:
+def test_invalid_diagrams_are_rejected(
+    lanes: tuple[Lane, ...], window: tuple[float, float], width: int, said: str
+) -> None:
     with pytest.raises(ValueError, match=said):
         text_diagram(lanes, window, width=width)
 
@@ -121,7 +123,7 @@ def test_refusals(lanes: tuple[Lane, ...], window: tuple[float, float], width: i
     st.lists(st.tuples(st.floats(-5, 40), st.floats(0, 20), st.text("AB 1", max_size=9)), max_size=9),
     st.integers(28, 120),
 )
-def test_whatever_comes_fits_and_ends_at_the_last_level(
+def test_any_lanes_fit_into_the_width_and_end_at_the_last_level(
     initial: int, edges: list[float], boxes: list[tuple[float, float, str]], width: int
 ) -> None:
     lanes = [

@@ -1,4 +1,4 @@
-"""How tests look at a Capture: as plain values that compare and print well."""
+"""Contents of a Capture as plain values, which can be compared and printed."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from periph_sim.traces.formats import Capture
 
 
 def edges(capture: Capture) -> dict[str, list[int]]:
-    """Initial level and edges of each channel, by name."""
+    """Return the initial level and the edges of each channel by name."""
     return {channel.name: [channel.initial, *channel.edges.tolist()] for channel in capture.channels}
 
 
 def facts(capture: Capture) -> tuple[object, ...]:
-    """(rate, length, sampled)"""
+    """Return (rate, length, sampled)."""
     return capture.rate, capture.length, capture.sampled

@@ -1,6 +1,6 @@
-"""The generator of traces/*.sr: `python -m tests.traces.formats.make_traces` writes them, a test compares.
+"""Generator of traces/*.sr. `python -m tests.traces.formats.make_traces` writes them, and a test compares them.
 
-All values are made up within what the sensors can send; see traces/README.md.
+All values are invented, within the ranges of the sensors; see traces/README.md.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FRAMES = ((0, 873, -1745, 0, 0, -1000), (17, 890, -1728, 12, -9, -1003))
 
 
 def imu_round() -> bytes:
-    """One request round at 100 kHz, 40 samples a bit: gyroscope, accelerometer, magnetometer."""
+    """One request round at 100 kHz with 40 samples per bit: gyroscope, accelerometer, magnetometer."""
     wave = I2cWave(idle=400)
     for address, pointer, values in ROUND:
         read_registers(wave, address, pointer, values)
@@ -34,7 +34,7 @@ def imu_round() -> bytes:
 
 
 def nack() -> bytes:
-    """An accelerometer that is away twice, then answers, at 100 kHz."""
+    """An accelerometer at 100 kHz that does not acknowledge twice and then answers."""
     wave = I2cWave(idle=400)
     for _ in range(2):
         wave.transfer(0x53 << 1, nack_last=True)
@@ -45,7 +45,7 @@ def nack() -> bytes:
 
 
 def host_frames() -> bytes:
-    """Two frames of 12 bytes at 115200 8n1, 5 ms apart, seen at 1 MHz."""
+    """Two frames of 12 bytes at 115200 8n1, 5 ms apart, sampled at 1 MHz."""
     width = Fraction(10**6, 115200)
     bits = []
     for number, words in enumerate(FRAMES):
@@ -55,7 +55,7 @@ def host_frames() -> bytes:
 
 
 def seven_even() -> bytes:
-    """Text at 19200 7e1, seen at 200 kHz, then a byte without its stop bit and a break of 14 bits."""
+    """Text at 19200 7e1, sampled at 200 kHz, then a byte without its stop bit and a break of 14 bits."""
     width = Fraction(200_000, 19_200)
     at = Fraction(400)
     bits = []
@@ -70,7 +70,7 @@ def seven_even() -> bytes:
 
 
 def glitch_4f() -> bytes:
-    """One byte at 115200 8n1, seen at 2 MHz: a sample in the middle of its fifth data bit is turned over."""
+    """One byte at 115200 8n1, sampled at 2 MHz, with one inverted sample in the middle of its fifth data bit."""
     width = Fraction(2 * 10**6, 115200)
     line = bytearray(uart_wave([(Fraction(60), frame_bits(0x4F))], width, 400))
     line[60 + int(Fraction(11, 2) * width)] ^= 1
@@ -78,7 +78,7 @@ def glitch_4f() -> bytes:
 
 
 def read_registers(wave: I2cWave, address: int, pointer: int, values: Sequence[int]) -> None:
-    """Pointer write, repeated START, read; the controller answers NACK to the last byte."""
+    """Add a write of the pointer, a repeated START and a read whose last byte the controller does not acknowledge."""
     *others, last = (f"{value:02X}" for value in values)
     sent = " ".join([*(f"{value}+" for value in others), f"{last}-"])
     wave.play(f"S {address << 1:02X}+ {pointer:02X}+ Sr {address << 1 | 1:02X}+ {sent} P")

@@ -1,4 +1,4 @@
-"""What sigrok's decoders say of a file: an independent reader of what we write."""
+"""Output of sigrok's decoders, used as an independent reader of written files."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ from pathlib import Path
 
 
 def sigrok_says(path: Path, decoder: str) -> str:
-    """The annotations of a decoder with their sample numbers, a line each."""
+    """Return the annotations of a decoder with their sample numbers, one per line."""
     command = ["sigrok-cli", "-i", str(path), "-P", decoder, "--protocol-decoder-samplenum"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout

@@ -1,4 +1,4 @@
-"""Captures for properties: any edges, any holes, any rate."""
+"""Random captures for property tests, with any edges, unknown spans and rates."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def channels(draw: st.DrawFn, name: str, index: int, length: int, holes: bool) -
 
 @st.composite
 def captures(draw: st.DrawFn, holes: bool = True) -> Capture:
-    """A capture with up to four channels of different names."""
+    """A capture with up to four channels of different names. holes: True if there can be unknown spans."""
     length = draw(st.one_of(st.integers(1, 50), st.integers(1, 10**12)))
     names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=4, unique=True))
     lines = tuple(draw(channels(name, index, length, holes)) for index, name in enumerate(names))

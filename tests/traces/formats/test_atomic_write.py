@@ -1,4 +1,4 @@
-"""A file appears whole, with the usual rights, or not at all."""
+"""A written file appears complete, with the usual permissions, or not at all."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from periph_sim.traces.formats import BadCapture, atomic_write
 
 
-def test_it_appears_when_the_block_ends(tmp_path: Path):
+def test_a_file_appears_when_the_block_ends(tmp_path: Path):
     path = tmp_path / "run.vcd"
     with atomic_write(path) as unfinished:
         assert (unfinished.parent, unfinished.suffix) == (tmp_path, ".vcd")
@@ -23,7 +23,7 @@ def test_it_appears_when_the_block_ends(tmp_path: Path):
     assert path.stat().st_mode == (tmp_path / "usual").stat().st_mode
 
 
-def test_nothing_is_left_when_the_block_raises_and_what_was_there_stays(tmp_path: Path):
+def test_a_block_that_raises_leaves_no_file_and_keeps_an_older_one(tmp_path: Path):
     path = tmp_path / "run.vcd"
     path.write_text("old")
     with pytest.raises(KeyboardInterrupt), atomic_write(path) as unfinished:
@@ -33,7 +33,7 @@ def test_nothing_is_left_when_the_block_raises_and_what_was_there_stays(tmp_path
     assert os.listdir(tmp_path) == ["run.vcd"]
 
 
-def test_a_place_that_cannot_be_written_to(tmp_path: Path):
+def test_a_path_that_cannot_be_written_is_rejected(tmp_path: Path):
     path = tmp_path / "none" / "run.vcd"
     with pytest.raises(BadCapture) as caught, atomic_write(path):
         pass
@@ -43,7 +43,7 @@ def test_a_place_that_cannot_be_written_to(tmp_path: Path):
     )
 
 
-def test_a_folder_in_the_way_leaves_nothing_behind(tmp_path: Path):
+def test_a_folder_of_the_same_name_is_rejected_and_no_file_is_left(tmp_path: Path):
     (tmp_path / "run.vcd").mkdir()
     with pytest.raises(BadCapture, match="its place: found is a directory"), atomic_write(tmp_path / "run.vcd"):
         pass
@@ -63,7 +63,7 @@ def test_a_link_is_followed(tmp_path: Path):
 
 
 @pytest.mark.posix("pipes with a name")
-def test_a_pipe_takes_the_bytes_and_stays_a_pipe(tmp_path: Path):
+def test_a_pipe_receives_the_bytes_and_is_not_replaced(tmp_path: Path):
     path = tmp_path / "pipe.vcd"
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
@@ -76,9 +76,9 @@ def test_a_pipe_takes_the_bytes_and_stays_a_pipe(tmp_path: Path):
     assert path.is_fifo()
 
 
-def test_a_device_that_is_full_is_refused_and_stays_a_device(tmp_path: Path):
+def test_a_full_device_is_rejected_and_not_replaced(tmp_path: Path):
     link = tmp_path / "run.vcd"
-    link.symlink_to("/dev/full")  # whose folder may not be written to
+    link.symlink_to("/dev/full")  # in a folder that may not be writable
     if not link.is_char_device():
         pytest.skip("there is no /dev/full")
     with pytest.raises(BadCapture) as caught, atomic_write(link) as unfinished:
@@ -89,7 +89,7 @@ def test_a_device_that_is_full_is_refused_and_stays_a_device(tmp_path: Path):
     assert link.is_char_device() and link.is_symlink()
 
 
-def test_a_disk_that_fills_up_while_the_file_is_written_is_refused(tmp_path: Path):
+def test_a_disk_that_becomes_full_during_the_write_is_reported(tmp_path: Path):
     path = tmp_path / "run.vcd"
     with pytest.raises(BadCapture, match="its place: found no space left on device"), atomic_write(path):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

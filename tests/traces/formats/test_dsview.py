@@ -1,4 +1,4 @@
-"""DSView sessions: a bit a sample, a file a channel and block."""
+"""DSView sessions, which have one bit per sample and one file per channel and block."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def read(tmp_path: Path, content: bytes, salvage: bool = False) -> Capture:
 
 
 def changes(levels: list[int]) -> list[int]:
-    """The initial level, then where it changes."""
+    """The initial level and the positions of its changes."""
     return [levels[0], *(n for n, (a, b) in enumerate(pairwise(levels), 1) if a != b)]
 
 
@@ -46,19 +46,19 @@ def test_channels_in_blocks(tmp_path: Path, version: int):
     st.integers(1, 20),
 )
 @settings(max_examples=examples(40), deadline=None)
-def test_any_samples_come_back(tmp_path_factory: pytest.TempPathFactory, levels: list[int], block: int, piece: int):
+def test_any_samples_are_read(tmp_path_factory: pytest.TempPathFactory, levels: list[int], block: int, piece: int):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(session_archive, "BLOCK", piece)
         capture = read(tmp_path_factory.mktemp("dsl"), dsl_bytes({"a": levels}, "1 MHz", block))
     assert (edges(capture), capture.length) == ({"a": changes(levels)}, len(levels))
 
 
-def test_channels_that_are_off_have_no_blocks(tmp_path: Path):
+def test_disabled_channels_have_no_blocks(tmp_path: Path):
     content = dsl_bytes({"SCL": SCL, "SDA": SDA}, "10 MHz", probe2="off", probe9="off")
     assert list(edges(read(tmp_path, content))) == ["SCL", "SDA"]
 
 
-def test_folders_numbered_apart_from_the_probes_are_taken_in_order(tmp_path: Path):
+def test_folders_with_other_numbers_than_the_probes_are_read_in_order(tmp_path: Path):
     path = tmp_path / "y.zip"
     path.write_bytes(dsl_bytes({"SCL": SCL, "SDA": SDA}, "10 MHz"))
     with zipfile.ZipFile(path) as archive:
@@ -68,7 +68,7 @@ def test_folders_numbered_apart_from_the_probes_are_taken_in_order(tmp_path: Pat
     assert list(edges(read(tmp_path, zip_bytes(members))).values()) == [[1, 40, 70], [0, 5, *range(6, 100)]]
 
 
-def test_the_content_is_enough(tmp_path: Path):
+def test_a_session_is_recognized_by_its_content(tmp_path: Path):
     path = tmp_path / "capture.zip"
     path.write_bytes(dsl_bytes({"SCL": SCL}, "10 MHz"))
     assert edges(formats.read(path)) == {"SCL": [1, 40, 70]}
@@ -91,17 +91,17 @@ def test_without_a_samplerate_positions_have_no_time(tmp_path: Path):
         (zip_bytes({"version": b"2"}), "the archive: found no member 'header', expected a DSView session; "),
     ],
 )
-def test_what_is_wrong_is_named(tmp_path: Path, content: bytes, message: str):
+def test_an_error_is_reported_with_its_place(tmp_path: Path, content: bytes, message: str):
     assert refusal(BadCapture, read, tmp_path, content).startswith(f"{tmp_path}/x.dsl, {message}")
 
 
-def test_too_many_edges_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_too_many_edges_are_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(limits, "MOST_EDGES", 90)
     with pytest.raises(BadCapture, match="found over 90 edges, expected fewer; cut the capture"):
         read(tmp_path, dsl_bytes({"a": SDA}, "1 MHz"))
 
 
-def test_salvage_leaves_a_damaged_channel_unknown_behind_its_damage(tmp_path: Path):
+def test_with_salvage_a_channel_is_unknown_after_its_damage(tmp_path: Path):
     content = bytearray(dsl_bytes({"SCL": SCL, "SDA": SDA}, "10 MHz"))
     content[content.index(b"L-1/2") + 5] ^= 1
     with pytest.raises(BadCapture, match=r"L-1/2: found bytes that do not fit their CRC-32, .* with --salvage$"):
@@ -114,7 +114,7 @@ def test_salvage_leaves_a_damaged_channel_unknown_behind_its_damage(tmp_path: Pa
     )
 
 
-def test_salvage_reads_a_cut_file_up_to_its_end(tmp_path: Path):
+def test_with_salvage_a_cut_file_is_read_up_to_its_end(tmp_path: Path):
     content = dsl_bytes({"SCL": SCL, "SDA": SDA}, "10 MHz")
     capture = read(tmp_path, content[: content.index(b"L-1/1") + 5 + 2], salvage=True)
     assert edges(capture) == {"SCL": [1, 40, 70], "SDA": [0, 5, *range(6, 48)]}

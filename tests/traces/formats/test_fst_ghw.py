@@ -1,4 +1,4 @@
-"""FST written by its own library, read by ours; GHW from GHDL where that is installed; broken files."""
+"""Reader of FST files, written by the FST library, and of GHW files, written by GHDL if it is installed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Changes = list[tuple[int, str, str]]  # time, line, value
 
 
 def written(path: Path, lines: dict[str, int], changes: Changes, end: int = 0, exponent: int = -9) -> Path:
-    """An FST file. lines: name -> bits; one called `real` is a real, `alias X` is another name of X."""
+    """Write an FST file. lines: number of bits by name; `real` is a real, `alias X` is another name of X."""
     lib, null = pylibfst.lib, pylibfst.ffi.NULL
     file = lib.fstWriterCreate(str(path).encode(), 1)
     lib.fstWriterSetTimescale(file, exponent)
@@ -45,7 +45,7 @@ LATE = 2 * 10**12  # beyond 32 bits
 BUS: Changes = [(0, "scl", "1"), (5, "My SDA", "z"), (7, "scl", "0"), (9, "My SDA", "0"), (LATE, "scl", "1")]
 
 
-def test_scopes_names_aliases_and_long_times(tmp_path: Path):
+def test_scopes_names_aliases_and_long_times_are_read(tmp_path: Path):
     path = written(tmp_path / "x.fst", {"scl": 1, "My SDA": 1, "alias scl": 1}, BUS, LATE + 50)
     capture = formats.read(path)
     assert edges(capture) == {
@@ -57,7 +57,7 @@ def test_scopes_names_aliases_and_long_times(tmp_path: Path):
     assert capture.channel("My SDA").unknown == (Span(0, 5),)
 
 
-def test_what_is_written_is_read_again_with_unknown_stretches_and_scopes(tmp_path: Path):
+def test_a_written_file_is_read_with_unknown_spans_and_scopes(tmp_path: Path):
     capture = drawn(
         """
         tb.bus.SCL   --__--____--
@@ -96,7 +96,7 @@ def test_the_timescale_is_exact(tmp_path: Path, exponent: int, rate: int):
     assert formats.read(path).rate == rate
 
 
-def test_with_the_rate_positions_are_samples(tmp_path: Path):
+def test_with_a_given_rate_positions_are_samples(tmp_path: Path):
     path = written(tmp_path / "x.fst", {"a": 1}, [(0, "a", "1"), (42, "a", "0"), (83, "a", "1"), (125, "a", "0")], 200)
     capture = formats.read(path, Fraction(24 * 10**6))
     assert edges(capture) == {"tb.bus.a": [1, 1, 2, 3]} and facts(capture) == (24 * 10**6, 5, True)
@@ -107,7 +107,7 @@ def test_with_the_rate_positions_are_samples(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("end", "beyond"), [(1 << 62, 1 << 62), (0, 1 << 61)])
-def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path, end: int, beyond: int):
+def test_a_time_beyond_64_bits_at_the_rate_is_rejected(tmp_path: Path, end: int, beyond: int):
     late = (1 << 61) - 1 if not end else 7
     path = written(tmp_path / "x.fst", {"a": 1}, [(0, "a", "1"), (late, "a", "0")], end, exponent=0)
     assert refusal(formats.BadCapture, formats.read, path, Fraction(10**9)) == (
@@ -116,14 +116,14 @@ def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path, end: int, 
     )
 
 
-def test_the_same_edges_as_in_vcd(tmp_path: Path):
+def test_edges_are_the_same_as_in_vcd(tmp_path: Path):
     given = formats.read(written(tmp_path / "x.fst", {"scl": 1, "sda": 1}, [(0, "scl", "0"), (0, "sda", "1"),
         *((n, ("scl", "sda")[n % 3 == 0], str(n >> 1 & 1)) for n in range(1, 3000))], 4000))  # fmt: skip
     formats.write(given, tmp_path / "x.vcd")
     assert edges(formats.read(tmp_path / "x.vcd")) == edges(given) and len(given.channels[0].edges) > 500
 
 
-def test_many_signals_are_read_in_one_go(tmp_path: Path):
+def test_many_signals_are_read_at_once(tmp_path: Path):
     lines = {f"d{n}": 1 + n % 3 for n in range(40)}
     changes = [(t, f"d{t % 40}", format(t * 3 // 40 % 8, "03b")[: 1 + t % 40 % 3]) for t in range(400)]
     few = {name: bits for name, bits in lines.items() if name in ("d1", "d38")}
@@ -133,15 +133,15 @@ def test_many_signals_are_read_in_one_go(tmp_path: Path):
     assert len(many.channels) == 79 and sum(len(c.edges) for c in alone.channels) > 10
 
 
-def test_a_file_without_lines_is_refused(tmp_path: Path):
+def test_a_file_without_lines_is_rejected(tmp_path: Path):
     path = written(tmp_path / "x.fst", {"real": 8}, [(0, "real", "1.5")])
     assert refusal(formats.BadCapture, formats.read, path) == (
         f"{path}, the file: found no line of one bit, expected at least one; dump the lines of the bus"
     )
 
 
-def test_an_abort_of_the_reader_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """As when a length in a damaged file asks for more memory than there is."""
+def test_an_abort_of_the_reader_is_reported_in_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The reader aborts, for instance, if a length in a damaged file needs more memory than available."""
     aborting = tmp_path / "reader.py"
     aborting.write_text("import os; os.abort()")
     monkeypatch.setattr("periph_sim.traces.formats.fst_ghw.READER", aborting)
@@ -152,7 +152,7 @@ def test_an_abort_of_the_reader_is_one_sentence(tmp_path: Path, monkeypatch: pyt
     )
 
 
-def test_a_cut_file_says_that_no_part_of_it_is_salvaged(tmp_path: Path):
+def test_the_message_about_a_cut_file_says_that_salvage_is_impossible(tmp_path: Path):
     path = written(tmp_path / "x.fst", {"scl": 1}, [(t, "scl", str(t % 2)) for t in range(90)], 100)
     assert len(formats.read(path, salvage=True).channels) == 1
     path.write_bytes(path.read_bytes()[:400])
@@ -175,7 +175,7 @@ end architecture;
 
 
 @pytest.mark.skipif(GHDL is None, reason="GHW files are written by ghdl, which is not installed")
-def test_ghw_as_ghdl_writes_it(tmp_path: Path):
+def test_a_ghw_file_of_ghdl_is_read(tmp_path: Path):
     (tmp_path / "blink.vhd").write_text(BLINK)
     for step in (["-a", "blink.vhd"], ["-e", "blink"], ["-r", "blink", "--wave=x.ghw", "--stop-time=20ns"]):
         subprocess.run([str(GHDL), *step], cwd=tmp_path, check=True, capture_output=True)

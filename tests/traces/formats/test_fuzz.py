@@ -1,8 +1,7 @@
-"""Whatever happens to the bytes of a capture, reading it gives a sound Capture or one sentence: never more.
+"""Damaged capture files: reading any of them returns a valid Capture or raises an error of one sentence.
 
-Every reader of the folder is fuzzed: with files made here, with what our own writers make of a small
-capture, and with the small ones of the real captures. Zips are damaged as bytes and, behind whole
-checksums, in their members.
+Every reader is fuzzed with files made here, with a small capture written by the writers of the package, and with small
+real captures. Zip files are damaged as bytes and, with correct checksums, in their members.
 """
 
 from __future__ import annotations
@@ -36,8 +35,8 @@ from tests.traces.formats.test_sigrok_sr import V1
 from tests.traces.formats.test_vcd import SIGROK
 from tests.traces.formats.writers import dsl_bytes, metadata, sr_bytes, zip_bytes
 
-SMALL = 6000  # bytes of a real capture that is worth its time
-LONGEST = 20  # seconds for one small file: anything near it is a hang
+SMALL = 6000  # maximal size of a real capture that is fuzzed, in bytes
+LONGEST = 20  # seconds for one small file; a longer time is a hang
 
 MADE = {
     "v2.sr": sr_bytes(["SCL", "SDA"], "4 MHz", b"\3\3\1\0", b"\2\2\3"),
@@ -61,7 +60,7 @@ ZIPPED = (".sr", ".dsl", ".psr")
 
 @cache
 def seeds() -> dict[str, bytes]:
-    """Name of a file -> its sound content."""
+    """Return the undamaged content of each file by its name."""
     found = dict(MADE)
     found |= {path.name: path.read_bytes() for path in captures() if path.is_file() and path.stat().st_size < SMALL}
     return found
@@ -78,7 +77,7 @@ READ_BY_WRITER = sorted(
 
 
 @pytest.mark.parametrize("name", sorted(formats.readers()))
-def test_every_reader_has_a_file_to_be_fuzzed_with(name: str, tmp_path: Path):
+def test_every_reader_has_a_file_to_fuzz(name: str, tmp_path: Path):
     reader = formats.readers()[name]
     for file, content in seeds().items():
         (tmp_path / file).write_bytes(content)
@@ -89,10 +88,16 @@ def test_every_reader_has_a_file_to_be_fuzzed_with(name: str, tmp_path: Path):
 
 # Damage ---------------------------------------------------------------------------
 
-WORDS = [b"\0" * 8, b"\xff" * 8, b"\xff\xff\xff\x7f", b"\0\0\0\x80", b"\0\0\xf8\x7f"]  # 0, -1, the ends, not a number
-LONG = b"9" * 5000  # digits: more than Python makes a number of
+WORDS = [
+    b"\0" * 8,
+    b"\xff" * 8,
+    b"\xff\xff\xff\x7f",
+    b"\0\0\0\x80",
+    b"\0\0\xf8\x7f",
+]  # 0, -1, the extremes of an int32, NaN
+LONG = b"9" * 5000  # more digits than Python converts to a number
 EXTREMES = [*WORDS, b"-1", b"9" * 20, b"1e99", b"nan", LONG]
-LONGEST_MESSAGE = 1000  # characters besides the path: what the file holds is quoted, never repeated at length
+LONGEST_MESSAGE = 1000  # characters besides the path; contents of the file are quoted only briefly
 PLACE = st.integers(0, 1 << 16)
 Change = Callable[[bytes], bytes]
 
@@ -122,7 +127,7 @@ def flip(place: int, bit: int) -> Change:
 
 
 def swap_lines(place: int, other: int) -> Change:
-    """Times that fall."""
+    """Swap two lines, so that times fall."""
 
     def change(content: bytes) -> bytes:
         lines = content.splitlines(keepends=True)
@@ -135,7 +140,7 @@ def swap_lines(place: int, other: int) -> Change:
 
 
 def repeat(place: int, size: int, times: int) -> Change:
-    """Times, rows or chunks that stand there again."""
+    """Repeat times, rows or chunks."""
 
     def change(content: bytes) -> bytes:
         here = at(content, place)
@@ -153,7 +158,7 @@ def line_ends(end: bytes, every: int) -> Change:
 
 
 def other_number(place: int, number: bytes) -> Change:
-    """A count, a time or a rate that is something else."""
+    """Replace a count, a time or a rate by another number."""
 
     def change(content: bytes) -> bytes:
         numbers = list(re.finditer(rb"\d+", content))
@@ -177,7 +182,7 @@ CHANGE = st.one_of(
         other_number, PLACE, st.sampled_from([b"0", b"-1", b"-0.5", b"9" * 25, LONG, b"1e9", b"4294967296", b""])
     ),
 )
-APART = ".fst"  # read by a process that is started for each file
+SEPARATE = ".fst"  # read in a separate process for each file
 CHANGES = st.lists(CHANGE, min_size=1, max_size=3)
 RATE = st.sampled_from([None, Fraction(10**6), Fraction(24 * 10**6), Fraction(10**7, 3)])
 FUZZED = settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -208,23 +213,23 @@ def test_damaged_captures(tmp_path: Path, name: str, changes: list[Change], rate
 @pytest.mark.parametrize("name", [name for name in MADE if name.endswith(ZIPPED)])
 @given(changes=CHANGES, which=PLACE, rate=RATE, salvage=st.booleans())
 @FUZZED
-def test_damage_behind_whole_checksums(
+def test_damage_with_correct_checksums(
     tmp_path: Path, name: str, changes: list[Change], which: int, rate: Fraction | None, salvage: bool
 ):
     judge(tmp_path / name, zip_bytes(damaged_member(MADE[name], changes, which)), rate, salvage)
 
 
-@pytest.mark.parametrize("suffix", [suffix for suffix in READ_BY_WRITER if suffix != APART])
+@pytest.mark.parametrize("suffix", [suffix for suffix in READ_BY_WRITER if suffix != SEPARATE])
 @given(changes=CHANGES, which=PLACE, inside=st.booleans(), rate=RATE, salvage=st.booleans())
 @FUZZED
-def test_damage_to_what_we_write(tmp_path: Path, suffix: str, **damage: Any):
+def test_damage_to_written_files(tmp_path: Path, suffix: str, **damage: Any):
     judge_written(tmp_path, suffix, **damage)
 
 
 @given(changes=CHANGES, which=PLACE, inside=st.booleans(), rate=RATE, salvage=st.booleans())
 @settings(FUZZED, max_examples=examples(8))
-def test_damage_to_what_we_write_and_a_process_of_its_own_reads(tmp_path: Path, **damage: Any):
-    judge_written(tmp_path, APART, **damage)
+def test_damage_to_written_files_that_a_separate_process_reads(tmp_path: Path, **damage: Any):
+    judge_written(tmp_path, SEPARATE, **damage)
 
 
 def judge_written(
@@ -265,7 +270,7 @@ def damaged_member(content: bytes, changes: list[Change], which: int) -> Mapping
 
 
 def judge(path: Path, content: bytes, rate: Fraction | None, salvage: bool) -> None:
-    """A sound Capture, or one sentence that names the file."""
+    """Check that reading gives a valid Capture, or an error of one sentence that names the file."""
     path.write_bytes(content)
     try:
         with within(LONGEST):
@@ -290,12 +295,12 @@ def judge(path: Path, content: bytes, rate: Fraction | None, salvage: bool) -> N
 
 @contextmanager
 def within(seconds: int) -> Iterator[None]:
-    """A hang becomes a failure."""
+    """Raise AssertionError if the block takes longer than `seconds`."""
 
     def late(number: int, frame: object) -> None:
         raise AssertionError(f"still reading after {seconds} s")
 
-    if not hasattr(signal, "SIGALRM"):  # on Windows the limit of the suite ends a hang
+    if not hasattr(signal, "SIGALRM"):  # on Windows, the time limit of the test suite ends a hang
         yield
         return
     before = signal.signal(signal.SIGALRM, late)
@@ -308,7 +313,7 @@ def within(seconds: int) -> Iterator[None]:
 
 
 def numbers(content: bytes) -> range:
-    """The places of its numbers, as `other_number` counts them."""
+    """The indices of the numbers in the content, as `other_number` counts them."""
     return range(len(re.findall(rb"\d+", content)))
 
 
@@ -316,7 +321,7 @@ LONG_NUMBERS = [(name, which) for name in MADE if not name.endswith((*ZIPPED, ".
 
 
 @pytest.mark.parametrize(("name", "which"), LONG_NUMBERS)
-def test_a_number_too_long_for_python_in_any_place_of_a_text(tmp_path: Path, name: str, which: int):
+def test_a_number_too_long_for_python_anywhere_in_a_text(tmp_path: Path, name: str, which: int):
     judge(tmp_path / name, other_number(which, LONG)(MADE[name]), None, False)
 
 
@@ -331,12 +336,12 @@ LONG_MEMBERS = [
 
 
 @pytest.mark.parametrize(("name", "member", "which"), LONG_MEMBERS)
-def test_a_number_too_long_for_python_in_any_place_of_the_metadata(tmp_path: Path, name: str, member: str, which: int):
+def test_a_number_too_long_for_python_anywhere_in_the_metadata(tmp_path: Path, name: str, member: str, which: int):
     members = members_of(MADE[name])
     judge(tmp_path / name, zip_bytes(members | {member: other_number(which, LONG)(members[member])}), None, False)
 
 
-# Small files that ask for much ---------------------------------------------------------
+# Small files that need much memory ---------------------------------------------------------
 
 HUGE = 1 << 60
 BOMBS = {

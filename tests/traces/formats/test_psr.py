@@ -1,4 +1,4 @@
-"""Our own records: what numpy sees in them, what a run gives as a capture, and files that are not sound."""
+"""The .psr format: records, the arrays that numpy reads, runs read as captures, and damaged files."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def saved(path: Path, records: list[Record], end: int = 0) -> Path:
 
 
 @pytest.mark.parametrize("count", [BLOCK - 1, BLOCK, 2 * BLOCK + 1])
-def test_more_records_than_a_block_come_out_in_order(count: int):
+def test_more_records_than_a_block_are_kept_in_order(count: int):
     records = [
         Record(n, 3 * n, RECORDED[n % 3], f"at {n % 5}", f"{n % 7}", -n, f"text {n % 11}", n // 2, f"field {n % 13}")
         for n in range(1, count + 1)
@@ -71,7 +71,7 @@ def test_more_records_than_a_block_come_out_in_order(count: int):
 
 @given(runs())
 @settings(max_examples=examples(40), deadline=None)
-def test_records_in_are_records_out(tmp_path_factory: pytest.TempPathFactory, records: list[Record]):
+def test_records_are_written_and_read(tmp_path_factory: pytest.TempPathFactory, records: list[Record]):
     table = psr.read_table(saved(tmp_path_factory.mktemp("psr") / "run.psr", records, 1 << 62))
     assert list(table.records()) == records
     assert (table.per_second, table.end, len(table)) == (3 * 10**9, 1 << 62, len(records))
@@ -100,7 +100,7 @@ def test_columns_and_lookups(tmp_path: Path):
     assert table.value.dtype == table.tick.dtype == table.cause.dtype == np.int64
 
 
-def test_numpy_opens_it_without_us(tmp_path: Path):
+def test_numpy_can_open_a_file(tmp_path: Path):
     with np.load(saved(tmp_path / "run.psr", RUN)) as found:
         head = json.loads(found["head"].tobytes())
         assert np.cumsum(found["tick"]).tolist() == [record.tick for record in RUN]
@@ -110,13 +110,13 @@ def test_numpy_opens_it_without_us(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("end", "length"), [(200, 200), (95, 96), (0, 96)])
-def test_a_run_is_a_capture_of_its_wires(tmp_path: Path, end: int, length: int):
+def test_a_run_can_be_read_as_a_capture_of_its_wires(tmp_path: Path, end: int, length: int):
     capture = formats.read(saved(tmp_path / "run.psr", RUN, end))
-    assert edges(capture) == {"MODEL": [0, 95], "SDA": [1, 90]}  # low at 0; a level that lasts no tick is no edge
+    assert edges(capture) == {"MODEL": [0, 95], "SDA": [1, 90]}  # low at 0; a level of zero duration is not an edge
     assert facts(capture) == (3 * 10**9, length, False)
 
 
-def test_a_run_on_the_grid_of_a_rate_or_refused(tmp_path: Path):
+def test_a_run_is_read_on_the_grid_of_a_rate_or_rejected(tmp_path: Path):
     path = saved(tmp_path / "run.psr", RUN, 150)
     assert edges(formats.read(path, Fraction(200_000_000 * 3))) == {"MODEL": [0, 19], "SDA": [1, 18]}
     assert refusal(formats.BadCapture, formats.read, path, Fraction(100_000_000)) == (
@@ -125,21 +125,21 @@ def test_a_run_on_the_grid_of_a_rate_or_refused(tmp_path: Path):
     )
 
 
-def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path):
+def test_a_time_beyond_64_bits_at_the_rate_is_rejected(tmp_path: Path):
     path = saved(tmp_path / "run.psr", RUN, 1 << 61)
     assert refusal(formats.BadCapture, formats.read, path, Fraction(12 * 10**9)) == (
         f"{path}, its times: found sample {1 << 63} of 12 GHz, expected at most {1 << 62}; state the right rate or none"
     )
 
 
-def test_a_run_without_edges_is_no_capture(tmp_path: Path):
+def test_a_run_without_edges_cannot_be_read_as_a_capture(tmp_path: Path):
     path = saved(tmp_path / "run.psr", RUN[6:])
     assert psr.holds_run(path) and len(psr.read_table(path)) == 1
     with pytest.raises(formats.BadCapture, match=r"found no edge of a wire, expected edges; record a run in which"):
         formats.read(path)
 
 
-def test_only_a_run_holds_a_run(tmp_path: Path):
+def test_holds_run_is_true_only_for_runs(tmp_path: Path):
     formats.write(formats.read(saved(tmp_path / "run.psr", RUN)), tmp_path / "capture.psr")
     (tmp_path / "x.vcd").write_text("$date $end")
     (tmp_path / "broken.psr").write_bytes((tmp_path / "run.psr").read_bytes()[:100])
@@ -150,7 +150,7 @@ def test_only_a_run_holds_a_run(tmp_path: Path):
 
 
 @pytest.mark.parametrize("kept", [100, 700, None], ids=["cut early", "cut late", "flipped"])
-def test_a_damaged_file_says_that_no_part_of_it_is_salvaged(tmp_path: Path, kept: int | None):
+def test_the_message_about_a_damaged_file_says_that_salvage_is_impossible(tmp_path: Path, kept: int | None):
     path = saved(tmp_path / "run.psr", RUN)
     whole = path.read_bytes()
     flipped = whole[:60] + bytes(byte ^ 0xFF for byte in whole[60:90]) + whole[90:]
@@ -163,7 +163,7 @@ def test_a_damaged_file_says_that_no_part_of_it_is_salvaged(tmp_path: Path, kept
     )
 
 
-def test_a_sound_file_is_read_with_salvage_and_other_errors_do_not_mention_it(tmp_path: Path):
+def test_an_undamaged_file_is_read_with_salvage_and_other_errors_do_not_mention_it(tmp_path: Path):
     path = saved(tmp_path / "run.psr", RUN)
     assert facts(formats.read(path, salvage=True)) == facts(formats.read(path))
     with pytest.raises(formats.BadCapture, match=r"; read it with the newer periph-sim it is from$"):
@@ -171,7 +171,7 @@ def test_a_sound_file_is_read_with_salvage_and_other_errors_do_not_mention_it(tm
 
 
 def changed(path: Path, change: Callable[[dict[str, Any]], object]) -> Path:
-    """The file with another head."""
+    """Write the file again with a changed head. Return its path."""
     with np.load(path) as found:
         arrays = dict(found)
     head = json.loads(arrays["head"].tobytes())
@@ -189,7 +189,7 @@ def packed(path: Path, arrays: dict[str, Any]) -> Path:
 @pytest.mark.parametrize(
     ("most", "stored"), [(127, "int8"), (128, "int16"), (1 << 15, "int32"), (1 << 31, "int64"), (-128, "int8")]
 )
-def test_columns_are_as_wide_as_their_numbers_need(tmp_path: Path, most: int, stored: str):
+def test_columns_have_the_smallest_sufficient_type(tmp_path: Path, most: int, stored: str):
     records = [
         Record(1, 1 << 40, Kind.FLAG, "a", "b", most, "", 0),
         Record(2, (1 << 40) + 1, Kind.FLAG, "a", "b", 0, "", 1),
@@ -264,11 +264,11 @@ def rejection(path: Path, read: Callable[[Path], object] = psr.read_table) -> st
         ),
     ],
 )
-def test_a_head_that_does_not_fit_is_one_sentence(tmp_path: Path, key: str, value: object, sentence: str):
+def test_an_invalid_head_is_reported_in_one_sentence(tmp_path: Path, key: str, value: object, sentence: str):
     assert rejection(changed(saved(tmp_path / "run.psr", RUN), lambda head: head.update({key: value}))) == sentence
 
 
-def test_columns_that_do_not_fit_are_one_sentence(tmp_path: Path):
+def test_invalid_columns_are_reported_in_one_sentence(tmp_path: Path):
     with np.load(saved(tmp_path / "run.psr", RUN)) as found:
         arrays = dict(found)
     path = tmp_path / "x.psr"
@@ -287,13 +287,13 @@ def test_columns_that_do_not_fit_are_one_sentence(tmp_path: Path):
     )
 
 
-def test_a_small_file_that_unpacks_to_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_small_file_with_much_unpacked_content_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = saved(tmp_path / "run.psr", RUN)
     monkeypatch.setattr(psr, "MOST_BYTES", 1000)
     assert "bytes unpacked, expected at most 1000; record a shorter run" in rejection(path)
 
 
-def test_an_array_that_claims_more_than_its_member_holds_is_refused(tmp_path: Path):
+def test_an_array_larger_than_its_member_is_rejected(tmp_path: Path):
     path = saved(tmp_path / "run.psr", RUN)
     with zipfile.ZipFile(path) as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
@@ -308,7 +308,7 @@ def test_an_array_that_claims_more_than_its_member_holds_is_refused(tmp_path: Pa
 
 @given(place=st.integers(0, 3000), byte=st.integers(0, 255), cut=st.booleans())
 @settings(max_examples=examples(40), deadline=None)
-def test_damaged_bytes_are_one_sentence_or_a_sound_table(
+def test_damaged_bytes_give_a_valid_table_or_one_sentence(
     tmp_path_factory: pytest.TempPathFactory, place: int, byte: int, cut: bool
 ):
     path = saved(tmp_path_factory.mktemp("psr") / "run.psr", RUN)

@@ -1,4 +1,4 @@
-"""CSV as sigrok-cli and PulseView write it, with and without names, header, time column and rate."""
+"""CSV files of sigrok-cli and PulseView, with and without names, header, time column and rate."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ ROWS = "1,1\n1,1\n1,0\n0,0\n0,0\n"
 
 
 @pytest.mark.parametrize("header", ["SCL,SDA\n", "logic,logic\n", "\n", '"SCL","SDA"\n'])
-def test_a_row_a_sample(tmp_path: Path, header: str):
+def test_each_row_is_a_sample(tmp_path: Path, header: str):
     capture = read(tmp_path, COMMENTS + header + ROWS)
     assert edges(capture) == {"SCL": [1, 3], "SDA": [1, 2]}
     assert facts(capture) == (500_000, 5, True)
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", " ", ", "])
-def test_any_separator(tmp_path: Path, separator: str):
+def test_any_separator_is_accepted(tmp_path: Path, separator: str):
     text = COMMENTS + ("SCL,SDA\n" + ROWS).replace(",", separator)
     if separator == ";":
         text = text.replace("; CSV", ";CSV")
@@ -45,14 +45,14 @@ def test_any_separator(tmp_path: Path, separator: str):
 @pytest.mark.parametrize(
     ("header", "times"),
     [
-        ("microseconds,logic,logic", (2, 236, 290)),  # one period late, as libsigrok 0.5 writes it
+        ("microseconds,logic,logic", (2, 236, 290)),  # one period late, as written by libsigrok 0.5
         ("microseconds,logic,logic", (0, 234, 288)),
         ("Time,SCL,SDA", (2, 236, 290)),
         ("nanoseconds,SCL,SDA", (2000, 236_000, 290_000)),
         ("seconds,SCL,SDA", ("0.000002", "2.36e-4", "0.00029")),
     ],
 )
-def test_a_time_column_counts_from_the_first_row(tmp_path: Path, header: str, times: tuple[int | str, ...]):
+def test_a_time_column_is_relative_to_the_first_row(tmp_path: Path, header: str, times: tuple[int | str, ...]):
     rows = "\n".join(f"{time},{levels}" for time, levels in zip(times, ("1,1", "0,1", "1,0"), strict=True))
     capture = read(tmp_path, f"{COMMENTS}{header}\n{rows}\n")
     assert edges(capture) == {"SCL": [1, 117, 144], "SDA": [1, 144]}
@@ -66,7 +66,7 @@ def test_the_unit_of_a_nameless_time_column_follows_from_the_rate(tmp_path: Path
     assert edges(capture)["SCL"] == [1, 9]
 
 
-def test_a_time_column_without_a_rate_is_in_its_own_unit(tmp_path: Path):
+def test_a_time_column_without_a_rate_has_the_resolution_of_its_values(tmp_path: Path):
     capture = read(tmp_path, "microseconds,a\n1,0\n3.5,1\n5,0\n")
     assert edges(capture) == {"a": [0, 5, 8]}
     assert facts(capture) == (2_000_000, 9, False)
@@ -80,7 +80,7 @@ def test_a_time_column_without_a_rate_is_in_its_own_unit(tmp_path: Path):
         "; Channels (2/8): a, b\n; Samplerate: 1 MHz\n",
     ],
 )
-def test_times_become_samples_of_the_stated_rate(tmp_path: Path, header: str):
+def test_times_are_converted_to_samples_of_the_given_rate(tmp_path: Path, header: str):
     """Samples of 250 ns, from 0 us to 3 us:
 
     0    ____--------  rises at sample 4
@@ -91,7 +91,7 @@ def test_times_become_samples_of_the_stated_rate(tmp_path: Path, header: str):
     assert facts(capture) == (4_000_000, 13, True)
 
 
-def test_no_comments_no_header_no_rate(tmp_path: Path):
+def test_a_file_without_comments_header_and_rate(tmp_path: Path):
     capture = read(tmp_path, "0\n1\n1\n0\n")
     assert edges(capture) == {"0": [0, 1, 3]}
     assert facts(capture) == (None, 4, True)
@@ -99,7 +99,7 @@ def test_no_comments_no_header_no_rate(tmp_path: Path):
     assert read(tmp_path, "0\n1\n", 1000).rate == 1000
 
 
-def test_a_stated_rate_wins(tmp_path: Path):
+def test_a_given_rate_takes_precedence(tmp_path: Path):
     assert read(tmp_path, COMMENTS + ROWS, 4_000_000).rate == 4_000_000
 
 
@@ -109,7 +109,7 @@ def test_a_stated_rate_wins(tmp_path: Path):
         pytest.param(
             "; Channels (1/8): a\n\n; Samplerate: 1 MHz\na\n1\n\n; later\n0\n",
             {"a": [1, 1]},
-            id="blank lines and late comments are no samples",
+            id="blank lines and late comments are not samples",
         ),
         pytest.param("logic,logic\n0,1\n1,1\n", {"0": [0, 1], "1": [1]}, id="channels without any name are numbered"),
         pytest.param(
@@ -125,7 +125,7 @@ def test_edges_of_a_text(tmp_path: Path, text: str, found: dict[str, list[int]])
 
 @given(st.lists(st.sampled_from(["0,0", "0,1", "1,0", "1,1"]), min_size=1, max_size=40))
 @settings(deadline=None)
-def test_any_samples_come_back(tmp_path_factory: pytest.TempPathFactory, rows: list[str]):
+def test_any_samples_are_read(tmp_path_factory: pytest.TempPathFactory, rows: list[str]):
     capture = read(tmp_path_factory.mktemp("csv"), COMMENTS + "SCL,SDA\n" + "\n".join(rows) + "\n")
     assert capture.length == len(rows)
     for column, channel in enumerate(capture.channels):
@@ -145,13 +145,13 @@ Time(s), SCL, SDA
 """
 
 
-def test_dsview_lists_changes_in_seconds(tmp_path: Path):
+def test_a_file_of_dsview_has_changes_in_seconds(tmp_path: Path):
     capture = read(tmp_path, DSVIEW)
     assert edges(capture) == {"SCL": [1, 15], "SDA": [1, 12, 2_500_000]}
     assert (*facts(capture), capture.notes) == (1_000_000, 2_500_001, True, ())
 
 
-def test_of_rows_of_one_sample_the_last_counts(tmp_path: Path):
+def test_the_last_of_several_rows_of_one_sample_is_kept(tmp_path: Path):
     capture = read(tmp_path, DSVIEW.replace("0.00001500000, 0, 0", "0.0000122, 0, 0"))
     assert edges(capture) == {"SCL": [1, 12], "SDA": [1, 12, 2_500_000]}
     assert capture.notes == ("rows ignored, since the next row has the same sample: 1",)
@@ -162,7 +162,7 @@ ROW = st.tuples(st.integers(1, 40), st.sampled_from([(0, 0), (0, 1), (1, 0), (1,
 
 @given(st.lists(ROW, min_size=1, max_size=60), st.booleans(), st.sampled_from([1, 2, 3]))
 @settings(max_examples=examples(40), deadline=None)
-def test_regular_rows_and_single_odd_lines_read_the_same(
+def test_irregular_lines_among_regular_rows_are_read(
     tmp_path_factory: pytest.TempPathFactory,
     rows: list[tuple[int, tuple[int, int], int]],
     timed: bool,
@@ -172,7 +172,7 @@ def test_regular_rows_and_single_odd_lines_read_the_same(
     for step, levels, odd in rows:
         row = f"{levels[0]},{levels[1]}"
         if timed:
-            time += 2 * step  # a sample is two microseconds
+            time += 2 * step  # a sample takes two microseconds
             row = f"{time}.{'0' * decimals},{row}"
         text += {0: "\n; odd\n{}\n", 1: "{}\r\n", 2: " {} \n"}.get(odd, "{}\n").format(row)
         states.append((time // 2, levels))
@@ -239,5 +239,5 @@ def test_a_long_file_is_read_in_pieces(tmp_path: Path):
         ("; Samplerate: fast\n1\n", "line 1: found 'fast', expected a rate such as 4 MHz; mend it"),
     ],
 )
-def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message: str):
+def test_an_error_is_reported_with_its_line(tmp_path: Path, text: str, message: str):
     assert refusal(BadCapture, read, tmp_path, text) == f"{tmp_path}/x.csv, {message}"

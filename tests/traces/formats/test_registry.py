@@ -1,4 +1,4 @@
-"""formats.read finds the format by itself, and says what it knows when there is none."""
+"""The registry of formats: formats.read recognizes the format of a file, or lists the known ones."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ SALEAE = b"Time [s],a\n0.0,1\n0.000005,0\n0.000009,0\n"
 PULSEVIEW = b"; Channels (1/1): a\n; Samplerate: 1 MHz\na\n" + b"1\n" * 5 + b"0\n" * 4
 
 
-def test_every_file_of_the_folder_with_a_name_is_a_format():
+def test_every_module_with_a_name_is_a_format():
     folder = Path(formats.__file__).parent
     named = {path.stem for path in folder.glob("*.py") if "\nNAME = " in path.read_text()}
     assert set(formats.formats()) == named >= {"sigrok_sr", "vcd", "saleae_csv", "saleae_bin", "pulseview_csv"}
 
 
 @pytest.mark.parametrize("name", sorted(formats.formats()))
-def test_each_format_keeps_the_contract(name: str):
+def test_each_format_has_the_required_attributes(name: str):
     of = formats.formats()[name]
     assert of.NAME and of.SUFFIXES and all(suffix[0] in "./" for suffix in of.SUFFIXES)
     assert hasattr(of, "read") or hasattr(of, "write")
@@ -33,7 +33,7 @@ def test_each_format_keeps_the_contract(name: str):
         assert not of.recognises(Path("x"), b"") and not of.recognises(Path("x"), b"\x7fELF")
 
 
-def test_a_suffix_is_written_by_one_format_only():
+def test_each_suffix_is_written_by_only_one_format():
     able = [of for of in formats.formats().values() if hasattr(of, "write")]
     suffixes = [suffix for of in able for suffix in getattr(of, "WRITTEN", of.SUFFIXES)]
     assert len(suffixes) == len(set(suffixes)) == len(formats.writers())
@@ -53,7 +53,7 @@ def test_a_suffix_is_written_by_one_format_only():
         (".SR", sr_bytes(["a"], "1 MHz", b"\1" * 5 + b"\0" * 4)),
     ],
 )
-def test_the_content_decides_whatever_the_name(tmp_path: Path, suffix: str, content: bytes):
+def test_the_format_is_recognized_by_content_under_any_name(tmp_path: Path, suffix: str, content: bytes):
     path = tmp_path / f"capture{suffix}"
     path.write_bytes(content)
     capture = formats.read(str(path), Fraction(10**6))
@@ -69,7 +69,7 @@ def test_the_content_decides_whatever_the_name(tmp_path: Path, suffix: str, cont
         (".pvs", "a PulseView setup without samples", "give the .sr file beside it"),
     ],
 )
-def test_formats_that_are_not_read_are_refused_by_name(tmp_path: Path, suffix: str, found: str, way_out: str):
+def test_known_unreadable_formats_are_rejected_by_name(tmp_path: Path, suffix: str, found: str, way_out: str):
     path = tmp_path / f"capture{suffix}"
     assert (
         refusal(formats.BadCapture, formats.read, path)
@@ -78,7 +78,7 @@ def test_formats_that_are_not_read_are_refused_by_name(tmp_path: Path, suffix: s
 
 
 @pytest.mark.parametrize(("content", "found"), [(b"\x00\x01\x02", repr(b"\x00\x01\x02")), (b"", "nothing")])
-def test_unknown_bytes_are_shown(tmp_path: Path, content: bytes, found: str):
+def test_unknown_content_is_shown_in_the_message(tmp_path: Path, content: bytes, found: str):
     path = tmp_path / "capture.csv"
     path.write_bytes(content)
     assert (
@@ -87,7 +87,7 @@ def test_unknown_bytes_are_shown(tmp_path: Path, content: bytes, found: str):
     )
 
 
-def test_a_file_that_is_not_there(tmp_path: Path):
+def test_a_missing_file_is_rejected(tmp_path: Path):
     assert refusal(formats.BadCapture, formats.read, tmp_path / "none.sr") == (
         f"{tmp_path}/none.sr, the file: found no such file or directory, expected a file that can be read; "
         "check its name"

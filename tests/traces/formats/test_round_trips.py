@@ -1,4 +1,4 @@
-"""Written files hold the same edges, read by this package, by other libraries or by sigrok."""
+"""Written files have the same edges when they are read by this package, by other libraries or by sigrok."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def states(capture: Capture) -> list[tuple[int, list[int], list[int], tuple[Span
 @example(given=BEGINS_UNKNOWN)
 @example(given=ENDS_UNKNOWN)
 @settings(max_examples=examples(40), deadline=None)
-def test_written_and_read_again(tmp_path_factory: pytest.TempPathFactory, suffix: str, given: Capture):
+def test_a_written_capture_is_read_unchanged(tmp_path_factory: pytest.TempPathFactory, suffix: str, given: Capture):
     path = tmp_path_factory.mktemp("trip") / f"x{suffix}"
     formats.write(given, path)
     again = formats.read(path, given.rate)
     by_name = {c.name: c for c in again.channels}
-    if suffix != ".vcd":  # which orders by scope, and has no blanks in names
+    if suffix != ".vcd":  # VCD is ordered by scope and has no spaces in names
         assert [c.name for c in again.channels] == [c.name for c in given.channels]
     ordered = [by_name[c.name.replace(" ", "_") if suffix == ".vcd" else c.name] for c in given.channels]
     assert states(Capture(path, again.rate, again.length, tuple(ordered))) == states(given)
@@ -52,7 +52,7 @@ def test_written_and_read_again(tmp_path_factory: pytest.TempPathFactory, suffix
 
 @given(given=captures())
 @settings(max_examples=examples(40), deadline=None)
-def test_psr_keeps_everything_without_being_told(tmp_path_factory: pytest.TempPathFactory, given: Capture):
+def test_psr_keeps_all_properties_of_a_capture(tmp_path_factory: pytest.TempPathFactory, given: Capture):
     path = tmp_path_factory.mktemp("trip") / "x.psr"
     noted = Capture(given.path, given.rate, given.length, given.channels, sampled=False, notes=("a note",))
     formats.write(noted, path)
@@ -61,7 +61,7 @@ def test_psr_keeps_everything_without_being_told(tmp_path_factory: pytest.TempPa
     assert [(c.name, c.index) for c in again.channels] == [(c.name, c.index) for c in given.channels]
 
 
-def test_psr_keeps_a_capture_without_rate_and_channels_of_one_name(tmp_path: Path):
+def test_psr_keeps_a_capture_without_a_rate_and_with_equal_names(tmp_path: Path):
     lines = tuple(channel_of("a", 5 + n, [0, 2 + n], [0, 1], 9) for n in range(2))
     formats.write(Capture(Path("x"), None, 9, lines), tmp_path / "x.psr")
     again = formats.read(tmp_path / "x.psr")
@@ -70,7 +70,7 @@ def test_psr_keeps_a_capture_without_rate_and_channels_of_one_name(tmp_path: Pat
 
 
 @pytest.mark.parametrize("suffix", [".vcd", ".csv"])
-def test_positions_without_a_time_are_refused(tmp_path: Path, suffix: str):
+def test_a_capture_without_a_rate_is_rejected(tmp_path: Path, suffix: str):
     capture = Capture(Path("x.sr"), None, 9, (channel_of("a", 0, [0, 2], [0, 1], 9),))
     assert refusal(formats.BadCapture, formats.write, capture, tmp_path / f"x{suffix}") == (
         "x.sr, its rate: found none stated, expected positions with a time; state it with --rate"
@@ -97,7 +97,7 @@ def test_positions_without_a_time_are_refused(tmp_path: Path, suffix: str):
         ),
     ],
 )
-def test_rounded_times_are_told(tmp_path: Path, rate: str, suffix: str, note: str | None):
+def test_a_note_reports_rounded_times(tmp_path: Path, rate: str, suffix: str, note: str | None):
     capture = Capture(Path("x.sr"), formats.rate_of(rate), 9, (channel_of("a", 0, [0, 2], [0, 1], 9),))
     assert formats.write(capture, tmp_path / f"x{suffix}") == (() if note is None else (note,))
 
@@ -111,7 +111,7 @@ def test_a_vcd_has_the_coarsest_timescale_that_is_exact(tmp_path: Path):
     )
 
 
-def test_a_saleae_csv_is_as_logic_2_writes_it(tmp_path: Path):
+def test_a_saleae_csv_has_the_form_of_logic_2(tmp_path: Path):
     lines = (channel_of("SCL", 0, [0, 2, 5], [1, None, 0], 9), channel_of("a,b", 1, [0, 5], [0, 1], 9))
     formats.write(Capture(Path("x.sr"), formats.rate_of("4 MHz"), 9, lines), tmp_path / "x.csv")
     assert (tmp_path / "x.csv").read_text() == (
@@ -119,7 +119,7 @@ def test_a_saleae_csv_is_as_logic_2_writes_it(tmp_path: Path):
     )
 
 
-def test_names_that_vcd_cannot_hold_are_changed_and_told(tmp_path: Path):
+def test_names_that_are_invalid_in_vcd_are_changed_with_a_note(tmp_path: Path):
     names = ["My SDA", "My_SDA", "", "a..b", "$end"]
     lines = tuple(channel_of(name, n, [0], [n & 1], 9) for n, name in enumerate(names))
     notes = formats.write(Capture(Path("x.sr"), formats.rate_of("4 MHz"), 9, lines), tmp_path / "x.vcd")
@@ -139,7 +139,7 @@ States = dict[str, list[tuple[int, str]]]
 
 
 def expected(capture: Capture) -> States:
-    """Name as VCD has it -> (position, state)."""
+    """Map each name, as it is in the VCD, to its (position, state)."""
     found: States = {f"capture.{c.name.replace(' ', '_')}": [] for c in capture.channels}
     names = list(found)
     for at, which, state in zip(*(column.tolist() for column in changes(capture)), strict=True):
@@ -171,7 +171,7 @@ def test_wellen_reads_the_same_changes(tmp_path_factory: pytest.TempPathFactory,
     other = pywellen.Waveform(str(path), multi_threaded=False)
     per_second = Fraction(10 ** -other.timescale.unit.to_exponent(), other.timescale.factor)
     found = {re.sub(r"\[3\]$", "", v.full_name): [(at, str(state)) for at, state in v.signal] for v in other.all_vars()}
-    plain = {re.sub(r"\[3\]$", "", name): of for name, of in expected(given).items()}  # it takes indices for ranges
+    plain = {re.sub(r"\[3\]$", "", name): of for name, of in expected(given).items()}  # wellen parses indices as ranges
     assert positions(found, per_second, given.rate) == plain
 
 
@@ -212,7 +212,7 @@ def picture(capture: Capture, path: Path) -> dict[str, object]:
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-def test_a_short_window(tmp_path: Path):
+def test_a_short_window_is_written_as_wavedrom(tmp_path: Path):
     lines = (
         channel_of("SCL", 0, [0, 4, 8, 12], [1, 0, 1, 0], 20),
         channel_of("SDA", 1, [0, 2, 6, 10], [1, 0, None, 1], 20),
@@ -227,7 +227,7 @@ def test_a_short_window(tmp_path: Path):
 
 @given(given=captures())
 @settings(max_examples=examples(40), deadline=None)
-def test_the_bricks_are_the_edges(tmp_path_factory: pytest.TempPathFactory, given: Capture):
+def test_the_wave_of_wavedrom_has_the_edges(tmp_path_factory: pytest.TempPathFactory, given: Capture):
     path = tmp_path_factory.mktemp("drom") / "x.wavedrom.json"
     try:
         shown = picture(given, path)
@@ -246,7 +246,7 @@ def test_the_bricks_are_the_edges(tmp_path_factory: pytest.TempPathFactory, give
         assert len(steps) <= 1 and all(step <= size for step in steps)
 
 
-def test_a_long_window_is_refused(tmp_path: Path):
+def test_a_long_window_is_rejected(tmp_path: Path):
     many = channel_of("SCL", 0, range(5000), [n & 1 for n in range(5000)], 5000)
     far = channel_of("SCL", 0, [0, 1], [0, 1], 10**6)
     sparse = channel_of("SCL", 0, [0, 3, 900_001], [0, 1, 0], 10**6)

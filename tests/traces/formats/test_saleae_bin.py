@@ -1,4 +1,4 @@
-"""Saleae's binary export: versions 0 and 1, files and folders."""
+"""Binary export of Saleae: versions 0 and 1, files and folders."""
 
 from __future__ import annotations
 
@@ -75,13 +75,13 @@ def test_a_folder_is_one_capture_of_all_its_digital_files(tmp_path: Path):
     ]
 
 
-def test_changes_that_fall_into_one_position_undo_each_other(tmp_path: Path):
+def test_two_changes_at_one_position_cancel_each_other(tmp_path: Path):
     capture = read(tmp_path, version_0(0, 0.0, 1e-6, [1e-10, 100.1e-9, 100.2e-9, 300e-9]))
     (channel,) = capture.channels
     assert (channel.initial, channel.edges.tolist()) == (1, [300])
 
 
-def test_a_file_that_ends_before_the_others_is_unknown_behind(tmp_path: Path):
+def test_a_channel_is_unknown_after_the_end_of_its_file(tmp_path: Path):
     (tmp_path / "digital_0.bin").write_bytes(version_0(0, 0.0, 0.5, []))
     (tmp_path / "digital_1.bin").write_bytes(version_0(1, 0.0, 0.2, []))
     capture = formats.read(tmp_path, Fraction(1000))
@@ -148,17 +148,17 @@ SALVAGE = ", or read the intact part with --salvage"
         ),
     ],
 )
-def test_what_is_wrong_is_named_with_its_byte(tmp_path: Path, content: bytes, message: str):
+def test_an_error_is_reported_with_its_byte(tmp_path: Path, content: bytes, message: str):
     assert refusal(BadCapture, read, tmp_path, content) == f"{tmp_path}/digital_3.bin, {message}"
 
 
-def test_an_absurd_number_of_chunks_takes_no_time(tmp_path: Path):
+def test_an_absurd_number_of_chunks_is_rejected_quickly(tmp_path: Path):
     content = version_1((0, 1e6, 0, 1, []))
     with pytest.raises(BadCapture, match="the file was cut"):
         read(tmp_path, content[:16] + struct.pack("<Q", 1 << 60) + content[24:])
 
 
-def test_a_folder_without_exports(tmp_path: Path):
+def test_a_folder_without_exports_is_rejected(tmp_path: Path):
     assert refusal(BadCapture, formats.read, tmp_path) == (
         f"{tmp_path}, the folder: found no digital_N.bin, expected one file a channel; export digital data as binary"
     )
@@ -195,7 +195,7 @@ def test_salvage_reads_up_to_the_damage(
     assert (channel.edges.tolist(), channel.unknown, capture.notes) == (edges, unknown, (note,))
 
 
-def test_too_many_edges_are_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_too_many_edges_are_rejected_before_reading(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(limits, "MOST_EDGES", 1)
     with pytest.raises(BadCapture, match="its counts: found 2 edges, expected at most 1; export a shorter time"):
         read(tmp_path, GOOD)

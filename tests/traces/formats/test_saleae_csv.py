@@ -1,4 +1,4 @@
-"""Saleae's CSV, Logic 2 and Logic 1.x."""
+"""CSV export of Saleae Logic 2 and Logic 1.x."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_logic_2_on_the_grid_of_its_rate(tmp_path: Path):
     assert facts(capture) == (125_000_000, 126, True)
 
 
-def test_logic_1_has_blanks_and_fifteen_decimals_and_no_end(tmp_path: Path):
+def test_logic_1_has_spaces_and_fifteen_decimals_and_no_end(tmp_path: Path):
     text = "Time[s], SCL, SDA\r\n0.000000000000000, 1, 1\r\n0.000000500000000, 0, 1\r\n0.000001250000000, 0, 0\r\n"
     capture = read(tmp_path, text)
     assert edges(capture) == {"SCL": [1, 500], "SDA": [1, 1250]}
@@ -49,7 +49,7 @@ def test_logic_1_has_blanks_and_fifteen_decimals_and_no_end(tmp_path: Path):
     assert capture.notes == ("the format has no row for the end, so the last change is used",)
 
 
-def test_ticks_are_as_fine_as_the_times_need(tmp_path: Path):
+def test_ticks_have_the_resolution_of_the_times(tmp_path: Path):
     capture = read(tmp_path, "Time[s], a\n0.000000000000000, 1\n0.000000041666667, 0\n")
     assert capture.rate == 10**15 and edges(capture) == {"a": [1, 41666667]}
     assert edges(read(tmp_path, "Time[s], a\n0.000000000000000, 1\n0.000000041666667, 0\n", 24_000_000)) == {
@@ -60,7 +60,7 @@ def test_ticks_are_as_fine_as_the_times_need(tmp_path: Path):
 @pytest.mark.parametrize("rate", [24_000_000, 6_250_000, 500_000_000, 3_000_000])
 @given(st.lists(st.integers(1, 10**9), min_size=1, max_size=20), st.integers(-(10**9), 10**9))
 @settings(max_examples=examples(40), deadline=None)
-def test_nine_decimals_of_any_grid_and_trigger_come_back_as_samples(
+def test_times_with_nine_decimals_are_converted_to_samples_exactly(
     tmp_path_factory: pytest.TempPathFactory, rate: int, steps: list[int], trigger: int
 ):
     samples = [0]
@@ -88,12 +88,12 @@ def test_nine_decimals_of_any_grid_and_trigger_come_back_as_samples(
         pytest.param(
             "Time [s],a,b\n0,0,0\n0.000000001,0,0\n0.000000002,1,1\n\n0.000000003,1,1\n",
             {"a": [0, 2], "b": [0, 2]},
-            id="a row need not be a change, and may be several",
+            id="a row can have no change or several",
         ),
         pytest.param(
             "Time [s],a\n-0.5,1\n0,0\n0.00000000025,1\n1,0\n",  # in ticks of 10 ps
             {"a": [1, 5 * 10**10, 5 * 10**10 + 25, 15 * 10**10]},
-            id="decimals may differ by row",
+            id="the number of decimals can differ",
         ),
     ],
 )
@@ -101,7 +101,7 @@ def test_edges_of_a_text(tmp_path: Path, text: str, found: dict[str, list[int]])
     assert edges(read(tmp_path, text)) == found
 
 
-def test_names_may_be_anything(tmp_path: Path):
+def test_names_can_be_any_text(tmp_path: Path):
     text = '\ufeffTime [s],"clock, slow",SDA  ,"say ""hi"""\n0.0,1,0,1\n'
     assert list(edges(read(tmp_path, text))) == ["clock, slow", "SDA", 'say "hi"']
 
@@ -141,18 +141,18 @@ def test_x_is_unknown(tmp_path: Path):
         ),
     ],
 )
-def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message: str):
+def test_an_error_is_reported_with_its_line(tmp_path: Path, text: str, message: str):
     assert refusal(BadCapture, read, tmp_path, text) == f"{tmp_path}/x.csv, {message}"
 
 
-def test_a_wrong_rate_is_refused(tmp_path: Path):
+def test_a_wrong_rate_is_rejected(tmp_path: Path):
     assert refusal(BadCapture, read, tmp_path, LOGIC2, 100_000_000 // 3) == (
         f"{tmp_path}/x.csv, line 4: found a time between two samples, expected the grid of 33333333 Hz; "
         "state the right rate"
     )
 
 
-def test_salvaged_up_to_what_is_wrong(tmp_path: Path):
+def test_with_salvage_a_file_is_read_up_to_the_error(tmp_path: Path):
     path = tmp_path / "x.csv"
     path.write_text(LOGIC2 + "0.0000020")
     capture = saleae_csv.read(path, salvage=True)

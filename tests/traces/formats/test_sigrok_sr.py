@@ -1,4 +1,4 @@
-"""sigrok sessions: both versions, every sample width, the traps of real files, and broken ones."""
+"""sigrok sessions: both versions, every sample width, peculiarities of real files, and broken files."""
 
 from __future__ import annotations
 
@@ -55,19 +55,19 @@ def rejection(tmp_path: Path, content: bytes) -> str:
 
 
 def session(lines: bytes, **members: bytes) -> bytes:
-    """A zip whose metadata is given as text; members without the version are logic ones (`_` stands for `-`)."""
+    """A session with this metadata and these logic members, in whose names `_` is replaced by `-`."""
     return zip_bytes(
         {"version": b"2", "metadata": lines} | {name.replace("_", "-"): data for name, data in members.items()}
     )
 
 
-def test_version_2_in_chunks_that_split_anywhere(tmp_path: Path):
+def test_version_2_has_chunks_of_any_size(tmp_path: Path):
     capture = read(tmp_path, sr_bytes(["SCL", "SDA"], "4 MHz", b"\3\3\1", b"\1\0", b"\0\0\2"))
     assert edges(capture) == {"SCL": [1, 4], "SDA": [1, 2, 7]}
     assert (*facts(capture), capture.notes) == (4_000_000, 8, True, ())
 
 
-def test_chunk_ten_comes_after_nine(tmp_path: Path):
+def test_chunks_are_read_in_numerical_order(tmp_path: Path):
     capture = read(tmp_path, sr_bytes(["a"], "1 MHz", *[bytes([n >= 9]) for n in range(12)]))
     assert edges(capture) == {"a": [0, 9]}
 
@@ -91,7 +91,7 @@ def test_every_unitsize(tmp_path: Path, unitsize: int):
 
 @given(st.lists(st.integers(0, 2**24 - 1), min_size=1, max_size=60), st.integers(1, 7))
 @settings(max_examples=examples(40), deadline=None)
-def test_any_samples_come_back(tmp_path_factory: pytest.TempPathFactory, samples: list[int], block: int):
+def test_any_samples_are_read(tmp_path_factory: pytest.TempPathFactory, samples: list[int], block: int):
     content = b"".join(sample.to_bytes(3, "little") for sample in samples)
     cut = len(content) // 2
     with pytest.MonkeyPatch.context() as patch:
@@ -106,13 +106,13 @@ def test_any_samples_come_back(tmp_path_factory: pytest.TempPathFactory, samples
         assert levels == [sample >> channel.index & 1 for sample in samples]
 
 
-def test_a_channel_that_was_not_captured_is_not_there_and_its_bits_do_not_matter(tmp_path: Path):
+def test_bits_of_channels_that_were_not_captured_are_ignored(tmp_path: Path):
     capture = read(tmp_path, sr_bytes(["", "RTS#", "", "RX"], "24 MHz", b"\x0a\x0f\x05\x05\x00"))
     assert edges(capture) == {"RTS#": [1, 2], "RX": [1, 2]}
     assert [channel.index for channel in capture.channels] == [1, 3]
 
 
-def test_a_file_that_names_no_channel_has_all_of_them_by_number(tmp_path: Path):
+def test_channels_without_names_are_numbered(tmp_path: Path):
     lines = b"[device 1]\ncapturefile=logic-1\ntotal probes=3\nsamplerate=1 MHz\nunitsize=1\n"
     assert list(edges(read(tmp_path, session(lines, logic_1_1=b"\0\5")))) == ["0", "1", "2"]
 
@@ -133,7 +133,7 @@ def test_without_a_samplerate_positions_have_no_time(tmp_path: Path, line: bytes
     assert stated.rate == 500_000 and stated.notes == ()
 
 
-def test_a_stated_rate_wins_over_the_files(tmp_path: Path):
+def test_a_given_rate_takes_precedence_over_that_of_the_file(tmp_path: Path):
     content = sr_bytes(["a"], "1 Hz", b"\0\1")
     assert read(tmp_path, content, Fraction(500_000)).rate == 500_000
 
@@ -151,7 +151,7 @@ GOOD = sr_bytes(["a"], "1 MHz", b"\1\0" * 100)
 
 
 @pytest.mark.parametrize("cut", [0, 3, 40, len(GOOD) // 2, len(GOOD) - 1])
-def test_a_truncated_zip(tmp_path: Path, cut: int):
+def test_a_truncated_zip_is_rejected(tmp_path: Path, cut: int):
     message = rejection(tmp_path, GOOD[:cut])
     assert message.startswith("the archive: found a broken zip (")
     salvage = ", or read the intact part with --salvage" if cut > 3 else ""
@@ -184,11 +184,11 @@ OR_SALVAGE = ", expected a whole sigrok session; copy or save it again, or read 
     ],
     ids=["packed otherwise", "damaged samples", "no zip", "a megabyte of metadata"],
 )
-def test_a_broken_archive_is_refused(tmp_path: Path, content: bytes, message: str):
+def test_a_broken_archive_is_rejected(tmp_path: Path, content: bytes, message: str):
     assert rejection(tmp_path, content) == message
 
 
-def test_a_directory_that_would_fill_the_memory_is_refused_unread(tmp_path: Path):
+def test_a_directory_that_would_fill_the_memory_is_rejected_before_reading(tmp_path: Path):
     content = bytearray(GOOD)
     end = content.rindex(b"PK\5\6")
     content[end + 12 : end + 16] = (1 << 30).to_bytes(4, "little")
@@ -245,11 +245,11 @@ HEAD = b"[device 1]\ncapturefile=logic-1\n"
         ),
     ],
 )
-def test_what_is_missing_or_wrong_is_named(tmp_path: Path, members: dict[str, bytes], message: str):
+def test_missing_or_wrong_parts_are_reported_with_their_place(tmp_path: Path, members: dict[str, bytes], message: str):
     assert rejection(tmp_path, zip_bytes(members)) == message
 
 
-def test_an_unreadable_rate_is_no_matter_where_one_is_stated(tmp_path: Path):
+def test_an_invalid_rate_is_ignored_if_one_is_given(tmp_path: Path):
     content = session(HEAD + b"unitsize=1\nprobe1=a\nsamplerate=fast\n", logic_1=b"\1")
     assert read(tmp_path, content, Fraction(10**6)).rate == 10**6
 
@@ -262,7 +262,9 @@ def packed(samples: bytes) -> bytes:
     return zip_bytes(members, zipfile.ZIP_DEFLATED)
 
 
-def test_a_zip_that_unpacks_to_too_much_is_refused_unopened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_zip_with_too_much_unpacked_content_is_rejected_before_unpacking(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(limits, "MOST_BYTES", 1 << 20)
     assert read(tmp_path, packed(bytes(1 << 20))).length == 1 << 20
     assert rejection(tmp_path, packed(bytes((1 << 20) + 1))) == (
@@ -270,7 +272,7 @@ def test_a_zip_that_unpacks_to_too_much_is_refused_unopened(tmp_path: Path, monk
     )
 
 
-def test_a_zip_that_changes_too_often_is_refused_at_that_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_session_with_too_many_edges_is_rejected_at_that_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(limits, "MOST_EDGES", 5000)
     monkeypatch.setattr(session_archive, "BLOCK", 1000)
     assert rejection(tmp_path, packed(b"\0\1" * 50_000)) == (
@@ -278,7 +280,7 @@ def test_a_zip_that_changes_too_often_is_refused_at_that_sample(tmp_path: Path, 
     )
 
 
-def test_memory_follows_the_edges_and_not_the_length(tmp_path: Path):
+def test_the_memory_needed_depends_on_the_edges_and_not_on_the_length(tmp_path: Path):
     path = tmp_path / "x.sr"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("version", "2")
@@ -312,12 +314,12 @@ def chunked(compression: int = zipfile.ZIP_STORED, *without: int) -> bytes:
     return zip_bytes(members, compression)
 
 
-def test_a_sound_file_has_nothing_to_salvage(tmp_path: Path):
+def test_an_undamaged_file_is_read_with_salvage_without_notes(tmp_path: Path):
     capture = salvaged(tmp_path, chunked())
     assert (edges(capture), capture.length, capture.notes) == ({"a": [1, 5000, 10_000, 20_000]}, 30_000, ())
 
 
-def test_a_zip_without_its_end_is_read_from_the_front(tmp_path: Path):
+def test_with_salvage_a_zip_without_its_end_is_read_from_the_front(tmp_path: Path):
     content = chunked()
     capture = salvaged(tmp_path, content[: content.index(b"logic-1-3") + 9 + 1234])
     assert (edges(capture), capture.length) == ({"a": [1, 5000, 10_000, 20_000]}, 21_234)
@@ -327,7 +329,7 @@ def test_a_zip_without_its_end_is_read_from_the_front(tmp_path: Path):
     )
 
 
-def test_however_much_is_cut_what_is_read_is_right_and_no_less_than_with_more_cut(tmp_path: Path):
+def test_with_salvage_a_longer_part_of_a_file_never_gives_fewer_samples(tmp_path: Path):
     content = chunked(zipfile.ZIP_DEFLATED)
     lengths = [0]
     for cut in range(20, len(content) + 1):
@@ -343,7 +345,7 @@ def test_however_much_is_cut_what_is_read_is_right_and_no_less_than_with_more_cu
     assert lengths[-1] == 30_000 and len(set(lengths)) > 4
 
 
-def test_sizes_behind_the_data_are_found(tmp_path: Path):
+def test_with_salvage_sizes_after_the_data_are_found(tmp_path: Path):
     class Pipe(io.BytesIO):
         def seekable(self) -> bool:
             return False
@@ -369,7 +371,7 @@ def test_sizes_behind_the_data_are_found(tmp_path: Path):
         ("logic-1-1", [1, 100, 101, 5000], "its samples are read up to 10000, some may be wrong"),
     ],
 )
-def test_a_damaged_chunk_is_dropped_with_all_behind_it_unless_it_is_the_first(
+def test_with_salvage_a_damaged_chunk_and_all_later_ones_are_dropped_unless_it_is_the_first(
     tmp_path: Path, chunk: str, found: list[int], note: str
 ):
     content = bytearray(chunked())
@@ -379,7 +381,7 @@ def test_a_damaged_chunk_is_dropped_with_all_behind_it_unless_it_is_the_first(
     assert capture.notes == (f"{chunk} holds bytes that do not fit their CRC-32: {note}",)
 
 
-def test_chunks_behind_a_missing_one_are_dropped(tmp_path: Path):
+def test_with_salvage_chunks_after_a_missing_one_are_dropped(tmp_path: Path):
     capture = salvaged(tmp_path, chunked(zipfile.ZIP_STORED, 2))
     assert (edges(capture), capture.length) == ({"a": [1, 5000]}, 10_000)
     assert capture.notes == ("logic-1-2 is missing: it and the rest are dropped",)
@@ -389,7 +391,7 @@ def test_chunks_behind_a_missing_one_are_dropped(tmp_path: Path):
 
 
 def lines(length: int, *channels: list[int], rate: Fraction | None = Fraction(4_000_000)) -> Capture:
-    """A capture of channels a, b, ..., each given as its initial level and its edges."""
+    """A capture with channels a, b, ..., each given by its initial level and its edges."""
     made = [Channel(chr(97 + n), n, c[0], np.array(c[1:], np.int64)) for n, c in enumerate(channels)]
     return Capture(Path("made"), rate, length, tuple(made))
 
@@ -404,7 +406,7 @@ PLACES = st.sets(st.integers(1, 299), max_size=40).map(sorted)
 
 @given(st.lists(st.tuples(st.integers(0, 1), PLACES), min_size=1, max_size=64), st.integers(3, 60))
 @settings(max_examples=examples(40), deadline=None)
-def test_what_is_written_reads_the_same(
+def test_a_written_session_is_read_unchanged(
     tmp_path_factory: pytest.TempPathFactory, channels: list[tuple[int, list[int]]], chunk: int
 ):
     capture = lines(300, *([initial, *places] for initial, places in channels))
@@ -420,12 +422,12 @@ def test_equal_captures_make_equal_files(tmp_path: Path):
     assert (tmp_path / "a.sr").read_bytes() == (tmp_path / "b.sr").read_bytes()
 
 
-def test_without_a_rate_none_is_written(tmp_path: Path):
+def test_a_capture_without_a_rate_is_written_without_one(tmp_path: Path):
     assert back(tmp_path, lines(300, [1, 7], rate=None)) is not None
     assert formats.read(tmp_path / "y.sr").rate is None
 
 
-def test_ticks_are_put_on_samples_and_lost_pulses_are_told(tmp_path: Path):
+def test_ticks_are_converted_to_samples_with_a_note_about_lost_pulses(tmp_path: Path):
     capture = replace(lines(3000, [1, 1000, 1100, 2000], rate=Fraction(3 * 10**9)), sampled=False)
     assert formats.write(capture, tmp_path / "y.sr", rate=Fraction(10**7)) == (
         "channel a: pulses that fall between two samples of 10 MHz are lost: 1",
@@ -434,7 +436,7 @@ def test_ticks_are_put_on_samples_and_lost_pulses_are_told(tmp_path: Path):
     assert (edges(again), facts(again)) == ({"a": [1, 7]}, (10**7, 10, True))
 
 
-def test_unknown_stretches_are_told(tmp_path: Path):
+def test_a_note_reports_unknown_spans(tmp_path: Path):
     channel = replace(lines(9, [1, 7]).channels[0], unknown=(Span(2, 4),))
     assert formats.write(replace(lines(9, [1]), channels=(channel,)), tmp_path / "y.sr") == (
         "a session has no unknown levels: those of a are written as the level before them",
@@ -461,12 +463,12 @@ def test_unknown_stretches_are_told(tmp_path: Path):
         ),
     ],
 )
-def test_what_a_session_cannot_hold_is_refused(tmp_path: Path, capture: Capture, message: str):
+def test_a_capture_too_large_for_a_session_is_rejected(tmp_path: Path, capture: Capture, message: str):
     assert refusal(BadCapture, formats.write, capture, tmp_path / "y.sr") == f"{tmp_path}/y.sr, {message}"
     assert not list(tmp_path.iterdir())
 
 
-def test_a_suffix_nobody_writes_is_refused_with_the_nearest(tmp_path: Path):
+def test_an_unknown_suffix_is_rejected_with_the_nearest_known_one(tmp_path: Path):
     said = refusal(BadCapture, formats.write, lines(9, [1]), tmp_path / "y.srr")
     assert said.startswith(f"{tmp_path}/y.srr, its name: found '.srr', expected one of ")
     assert said.endswith("; did you mean .sr or .psr?")
@@ -481,7 +483,7 @@ def test_a_suffix_nobody_writes_is_refused_with_the_nearest(tmp_path: Path):
         ("host_frames.sr", "uart:rx=RX:baudrate=115200"),
     ],
 )
-def test_sigrok_decodes_what_is_written_to_the_same_events(tmp_path: Path, name: str, decoder: str):
+def test_sigrok_decodes_the_same_events_from_a_written_session(tmp_path: Path, name: str, decoder: str):
     formats.write(formats.read(FOLDER / name), tmp_path / name)
     said = [sigrok_says(path, decoder) for path in (FOLDER / name, tmp_path / name)]
     assert said[0] == said[1] and len(said[0].splitlines()) > 20

@@ -1,4 +1,4 @@
-"""The traces of the repository are what their generator makes, and hold what their README says."""
+"""The traces in the repository equal the output of their generator and have the contents described in their README."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.traces.formats.make_traces import FOLDER, FRAMES, ROUND, TRACES
 
 
 @pytest.mark.parametrize("name", sorted(TRACES))
-def test_the_file_is_what_the_generator_makes(name: str):
+def test_a_file_equals_the_output_of_the_generator(name: str):
     content = (FOLDER / name).read_bytes()
     assert content == TRACES[name](), f"traces/{name} differs; run python -m tests.traces.formats.make_traces"
     assert len(content) < 20_000

@@ -1,4 +1,4 @@
-"""CSV with units in its titles: numbers to the last bit, lines of what is wrong, and any bytes without a traceback."""
+"""CSV with units in its titles: exact numbers, errors with their lines, and any bytes without a traceback."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
 @settings(deadline=None, max_examples=examples(40))
 @given(st.lists(st.tuples(FINITE, FINITE), min_size=1, max_size=20), st.sampled_from(["\n", "\r\n", "\n\n"]))
-def test_numbers_read_back_to_the_last_bit(tmp_path_factory, rows, end: str):
+def test_numbers_are_read_exactly(tmp_path_factory, rows, end: str):
     path = tmp_path_factory.mktemp("csv") / "f.csv"
     lines = ["time [s],gyroscope_x [deg/s]", *(f"{a!r}, {b!r}" for a, b in rows)]
     path.write_bytes((end.join(lines) + end).encode())
@@ -29,7 +29,7 @@ def test_numbers_read_back_to_the_last_bit(tmp_path_factory, rows, end: str):
 
 
 def judge(path: Path, data: bytes) -> None:
-    """Finite numbers, or a refusal in a sentence."""
+    """Check that reading gives finite numbers, or an error of one sentence."""
     path.write_bytes(data)
     try:
         columns = read(path)
@@ -53,7 +53,7 @@ def judge(path: Path, data: bytes) -> None:
 @example(b"1e400\n")
 @example(b" 1 \n")
 @example(b"#1\n")
-def test_any_bytes_are_numbers_or_refused_in_a_sentence(tmp_path_factory, data: bytes):
+def test_any_bytes_are_numbers_or_rejected_in_a_sentence(tmp_path_factory, data: bytes):
     judge(tmp_path_factory.mktemp("csv") / "f.csv", b"x [g]\n" + data)
 
 
@@ -65,18 +65,18 @@ def test_any_bytes_are_numbers_or_refused_in_a_sentence(tmp_path_factory, data: 
 @example(b"x []")
 @example(b",")
 @example(b"\x00")
-def test_any_titles_are_titles_or_refused_in_a_sentence(tmp_path_factory, data: bytes):
+def test_any_titles_are_accepted_or_rejected_in_a_sentence(tmp_path_factory, data: bytes):
     judge(tmp_path_factory.mktemp("csv") / "f.csv", data + b"\n1\n")
 
 
-def test_a_folder_is_no_file(tmp_path: Path):
+def test_a_folder_is_rejected(tmp_path: Path):
     with pytest.raises(BadCapture, match=r"the file: found is a directory, expected a file that can be read"):
         read(tmp_path)
 
 
 @pytest.mark.parametrize("length", [100_000, 200_000], ids=["a cell", "more than a cell may hold"])
 @pytest.mark.parametrize("text", ["\0", "x [g]\nz"])
-def test_a_cell_of_any_length_is_complained_about_in_one_that_can_be_read(tmp_path: Path, text: str, length: int):
+def test_the_message_about_a_long_cell_is_short(tmp_path: Path, text: str, length: int):
     (tmp_path / "f.csv").write_text(text + text[-1] * length + "\n")
     with pytest.raises(BadCapture, match=r"line \d: found .*(\d characters\)|field larger than .*), expected") as told:
         read(tmp_path / "f.csv")

@@ -1,4 +1,4 @@
-"""Value change dumps: the ways simulators and sigrok write them, and broken ones."""
+"""Value change dumps as written by simulators and sigrok, and broken ones."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ $enddefinitions $end
 """
 
 
-def test_as_sigrok_writes_it_time_and_values_on_one_line(tmp_path: Path):
+def test_a_file_of_sigrok_has_time_and_values_on_one_line(tmp_path: Path):
     capture = read(tmp_path, SIGROK)
     assert edges(capture) == {"libsigrok.SCL": [1, 2675], "libsigrok.My SDA": [1, 2500]}
     assert facts(capture) == (10**8, 250_000, False)
 
 
-def test_with_the_rate_positions_are_samples(tmp_path: Path):
+def test_with_a_given_rate_positions_are_samples(tmp_path: Path):
     capture = read(tmp_path, SIGROK, 4_000_000)
     assert edges(capture) == {"libsigrok.SCL": [1, 107], "libsigrok.My SDA": [1, 100]}
     assert facts(capture) == (4_000_000, 10_000, True)
 
 
-def test_as_simulators_write_it(tmp_path: Path):
+def test_a_file_of_a_simulator_is_read(tmp_path: Path):
     text = """
         $timescale 1ps $end
         $scope module tb $end $scope module bus $end
@@ -85,14 +85,14 @@ def test_every_timescale(tmp_path: Path, timescale: str, rate: int):
     assert facts(capture) == (rate, 9, False) and edges(capture) == {"a": [0, 7]}
 
 
-def test_without_a_timescale_there_is_no_rate(tmp_path: Path):
+def test_a_file_without_a_timescale_has_no_rate(tmp_path: Path):
     text = "$var wire 1 ! a $end #0 0! #7 1! #9"
     assert read(tmp_path, text).rate is None
     stated = read(tmp_path, text, 4_000_000)
     assert stated.rate == 4_000_000 and edges(stated) == {"a": [0, 7]}
 
 
-def test_a_change_at_the_last_time_makes_it_the_last_position(tmp_path: Path):
+def test_a_change_at_the_last_time_is_at_the_last_position(tmp_path: Path):
     assert read(tmp_path, "$var wire 1 ! a $end #0 0! #7 1!").length == 8
     assert read(tmp_path, "$var wire 1 ! a $end #0 0! #7 1! #7").length == 8
     assert read(tmp_path, "$var wire 1 ! a $end #0 0! #7").length == 7
@@ -150,11 +150,11 @@ def test_edges_of_a_text(tmp_path: Path, text: str, found: dict[str, list[int]])
     assert edges(capture) == found and not any(channel.unknown for channel in capture.channels)
 
 
-def test_a_vector_is_a_channel_a_bit_and_short_values_are_extended(tmp_path: Path):
+def test_a_vector_has_a_channel_per_bit_and_short_values_are_extended(tmp_path: Path):
     text = "$var wire 3 ! bus [5:3] $end $var reg 2 & r $end #0 b101 ! b0 & #4 b1 ! #6 bx1 ! #8 b10 & bz !"
     capture = read(tmp_path, text)
     assert edges(capture) == {
-        "bus[5]": [1, 4, 8],  # unknown from 6 to 8, high again as z
+        "bus[5]": [1, 4, 8],  # unknown from 6 to 8, then high as z
         "bus[4]": [0, 8],
         "bus[3]": [1],
         "r[1]": [0, 8],
@@ -163,7 +163,7 @@ def test_a_vector_is_a_channel_a_bit_and_short_values_are_extended(tmp_path: Pat
     assert capture.channel("bus[5]").unknown == (Span(6, 8),)
 
 
-def test_times_rounded_by_the_writer_snap_to_the_grid_of_the_rate(tmp_path: Path):
+def test_rounded_times_are_moved_to_the_grid_of_the_rate(tmp_path: Path):
     ticks = [round(n * 1000 / 24) for n in range(0, 2400, 7)]
     changes = " ".join(f"#{tick} {n & 1}!" for n, tick in enumerate(ticks))
     capture = read(tmp_path, f"$timescale 1 ns $end $var wire 1 ! a $end {changes}", 24_000_000)
@@ -172,7 +172,7 @@ def test_times_rounded_by_the_writer_snap_to_the_grid_of_the_rate(tmp_path: Path
 
 @given(st.lists(st.tuples(st.integers(1, 10**6), st.sampled_from("01")), min_size=1, max_size=30))
 @settings(deadline=None)
-def test_written_changes_come_back(tmp_path_factory: pytest.TempPathFactory, steps: list[tuple[int, str]]):
+def test_any_changes_are_read(tmp_path_factory: pytest.TempPathFactory, steps: list[tuple[int, str]]):
     now, text, expected, level = 0, ["$timescale 1 ns $end $var wire 1 ! a $end #0 1!"], [1], "1"
     for wait, value in steps:
         now += wait
@@ -231,18 +231,18 @@ DECLARED = "$timescale 1 ns $end\n$var wire 1 ! a $end\n"
         ),
     ],
 )
-def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message: str):
+def test_an_error_is_reported_with_its_line(tmp_path: Path, text: str, message: str):
     assert refusal(BadCapture, read, tmp_path, text) == f"{tmp_path}/x.vcd, {message}"
 
 
-def test_a_wrong_rate_is_refused(tmp_path: Path):
+def test_a_wrong_rate_is_rejected(tmp_path: Path):
     assert refusal(BadCapture, read, tmp_path, SIGROK.replace("#2675", "#2680"), 4_000_000) == (
         f"{tmp_path}/x.vcd, its times: found a change at #2680, expected times on the grid of 4000000 Hz; "
         "state the right rate or none"
     )
 
 
-def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path):
+def test_a_time_beyond_64_bits_at_the_rate_is_rejected(tmp_path: Path):
     text = "$timescale 100 s $end\n$var wire 1 ! a $end\n#0\n0!\n#4000000000000000000\n1!\n"
     assert edges(read(tmp_path, text)) == {"a": [0, 4 * 10**18]}
     assert refusal(BadCapture, read, tmp_path, text, 10**9) == (
@@ -254,7 +254,7 @@ def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path):
 CUT = SIGROK.replace("#250000", "#2")
 
 
-def test_salvaged_up_to_what_is_wrong(tmp_path: Path):
+def test_with_salvage_a_file_is_read_up_to_the_error(tmp_path: Path):
     (tmp_path / "x.vcd").write_text(CUT, encoding="utf-8")
     with pytest.raises(BadCapture):
         vcd.read(tmp_path / "x.vcd")
@@ -267,13 +267,13 @@ def test_salvaged_up_to_what_is_wrong(tmp_path: Path):
 
 
 @pytest.mark.parametrize("text", ["quack", "$timescale 1 ns $end $var wire 1 ! a $end 1! quack"])
-def test_without_a_time_there_is_nothing_to_salvage(tmp_path: Path, text: str):
+def test_a_file_without_a_time_cannot_be_salvaged(tmp_path: Path, text: str):
     (tmp_path / "x.vcd").write_text(text)
     with pytest.raises(BadCapture, match="line 1: found 'quack'"):
         vcd.read(tmp_path / "x.vcd", salvage=True)
 
 
-def test_a_line_without_end_and_too_many_changes_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_line_without_an_end_and_too_many_changes_are_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(BadCapture, match=r"line 3: found a line of more than 1048576 bytes, expected shorter ones"):
         read(tmp_path, DECLARED + "#0 1! " * 200_000)
     monkeypatch.setattr(vcd, "MOST_LINES", 4096)

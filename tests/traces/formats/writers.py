@@ -1,4 +1,4 @@
-"""Files and waves for tests: samples go in, the bytes of a capture file come out, the same on every machine."""
+"""Waves and capture files for tests. Equal samples give equal bytes on every machine."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.traces.decode.drawing import of_bytes
 
 
 def zip_bytes(members: Mapping[str, bytes], compression: int = zipfile.ZIP_STORED) -> bytes:
-    """A zip without date and host, so that equal members make equal bytes (stored; deflate differs by version)."""
+    """A zip without date and host, so that equal members give equal bytes if stored (deflate differs by version)."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", compression) as archive:
         for name, content in members.items():
@@ -59,7 +59,7 @@ def sr_file(path: Path, names: Sequence[str], rate: str, samples: bytes) -> str:
 
 
 def dsl_bytes(channels: Mapping[str, Sequence[int]], rate: str, block: int = 4, version: int = 3, **keys: str) -> bytes:
-    """A DSView session: the levels of each channel, a block of bytes at a time; `keys` are changed in the header."""
+    """A DSView session with these levels, in blocks of `block` bytes. keys: changed keys of the header."""
     length = len(next(iter(channels.values())))
     blocks = ceil(length / (8 * block))
     stated = {
@@ -82,7 +82,7 @@ def dsl_bytes(channels: Mapping[str, Sequence[int]], rate: str, block: int = 4, 
 
 
 class I2cWave:
-    """Writes SCL (bit 0) and SDA (bit 1) sample by sample, as controller and targets would leave them.
+    """Generates samples of SCL (bit 0) and SDA (bit 1) as controller and targets would drive them.
 
     SCL is low and high for `half` samples each; SDA changes `hold` samples after SCL has fallen.
     Both lines are high for the first `idle` samples.
@@ -99,11 +99,11 @@ class I2cWave:
         self._put(1, 1, samples)
 
     def start(self) -> None:
-        """SDA falls half a period before SCL does."""
+        """Add a START: SDA falls half a period before SCL."""
         self._put(1, 0, self.half)
 
     def again(self) -> None:
-        """Repeated START: one more SCL pulse, SDA falls in its middle."""
+        """Add a repeated START: one more SCL pulse, in whose middle SDA falls."""
         self._low(1)
         self._put(1, 1, self.half)
         self._put(1, 0, self.half)
@@ -123,7 +123,7 @@ class I2cWave:
         self.bit(0 if ack else 1)
 
     def transfer(self, *values: int, nack_last: bool = False) -> None:
-        """START, the bytes with their acknowledges, STOP."""
+        """Add a START, the bytes with their acknowledges, and a STOP."""
         self.start()
         for place, value in enumerate(values, 1):
             self.byte(value, ack=not nack_last or place < len(values))
@@ -170,7 +170,7 @@ class I2cWave:
 
 
 def uart_wave(frames: Iterable[tuple[Fraction, Sequence[int]]], width: Fraction, length: int) -> bytes:
-    """A line that idles high; each frame is its begin in samples and the levels of its bits, each `width` samples."""
+    """Samples of a line that idles high. A frame is its begin and the levels of its bits, each `width` samples long."""
     line = bytearray([1]) * length
     for begin, bits in frames:
         for number, bit in enumerate(bits):
@@ -180,7 +180,7 @@ def uart_wave(frames: Iterable[tuple[Fraction, Sequence[int]]], width: Fraction,
 
 
 def frame_bits(value: int, bits: int = 8, parity: str = "none", stop: int = 1) -> list[int]:
-    """Start, data from the least significant, parity, stop."""
+    """The levels of a frame: start bit, data from the least significant bit, parity, stop bits."""
     data = [value >> place & 1 for place in range(bits)]
     ones = sum(data)
     checks = {"none": [], "even": [ones & 1], "odd": [1 - (ones & 1)], "mark": [1], "space": [0]}

@@ -16,6 +16,4 @@ class CallAll(Protocol):
     def __call__(self, work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]], /) -> Iterable[T]: ...
 
 
-def call_here(work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]]) -> Iterable[T]:
-    """Make the calls in this process, as in `CallAll`. A call is made only when its result is requested."""
-    return starmap(work, calls)
+call_here: CallAll = starmap  # makes the calls in this process, each when its result is requested

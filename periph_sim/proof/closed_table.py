@@ -21,12 +21,9 @@ from fractions import Fraction
 from math import ceil
 from random import Random
 from time import process_time
-from typing import NamedTuple
 
 from msgspec import Struct
 
-from ..timing.verdict import Verdict
-from .cover import is_worse
 from .free_run import FreeRun, NotClosed
 from .measures_at_rest import MeasuresAtRest
 from .normal_state import NormalState, digest, period_of
@@ -70,26 +67,6 @@ class TableEntry(Struct, frozen=True):
     records: int
 
 
-class WorstInRuns(Struct, frozen=True):
-    """The value of a budget that is nearest to its limit, and the number of the run in which it was seen."""
-
-    verdict: Verdict
-    run: int
-
-
-class WorstRun(NamedTuple):
-    """The starts and the end of the run in which a budget has its worst value. All ticks are from the start of the run.
-
-    starts: the ticks of the starts up to the value; only those of frames if both rounds and frames are free.
-    rounds: if both rounds and frames are free, the ticks of the starts of rounds; else None.
-    until: the tick at which the run ends, before a later start.
-    """
-
-    starts: list[int]
-    rounds: list[int] | None
-    until: int
-
-
 class StartTable(Struct):
     """A table of states of rest and starts. When it is finished, it is closed, or the last run has failed.
 
@@ -125,42 +102,16 @@ class StartTable(Struct):
     def has_failed(self) -> bool:
         return bool(self.outcomes and self.outcomes[-1].failures)
 
-    def worst(self) -> dict[str, WorstInRuns]:
-        """Return a dictionary from the name of each budget to its worst value in all runs."""
-        found: dict[str, WorstInRuns] = {}
-        for run, outcome in enumerate(self.outcomes):
-            for verdict in outcome.verdicts:
-                if verdict.name not in found or is_worse(verdict, found[verdict.name].verdict):
-                    found[verdict.name] = WorstInRuns(verdict, run)
-        return found
-
-    def run_of(self, worst: WorstInRuns, per_second: int) -> WorstRun:
-        """Return the run up to a worst value. If the worst value has no instant, return the whole run.
-
-        per_second: the number of ticks per second.
-        """
-        starts, rounds = self.starts[worst.run], self.rounds[worst.run] if self.rounds else None
-        both = sorted([*starts, *(rounds or ())])
-        at = both[-1] if worst.verdict.at_s is None else round(worst.verdict.at_s * per_second)
-        after = [start for start in both if start > at]
-        after = after if rounds is None else after[1:]  # the next start can belong to the same group
-        until = after[0] if after else both[-1] + self.apart
-        before = None if rounds is None else [start for start in rounds if start < until]
-        return WorstRun([start for start in starts if start < until], before, until - 1)
-
-    def not_proven(
-        self, covered: CoveredCase, apart: int | None = None, within: Fraction = Fraction(0)
-    ) -> dict[str, str]:
+    def not_proven(self, covered: CoveredCase, apart: int, within: Fraction = Fraction(0)) -> dict[str, str]:
         """Return the budgets that the table does not prove, as a dictionary from the name of each to the reason.
 
         The table proves a budget if each of its values follows from one round, if all rounds are judged, and if the
-        starts of the case are at least as far apart as those of the table.
+        starts of the case are far enough apart.
 
-        apart: the least distance of two starts of the table, in ticks; None for `self.apart`.
+        apart: the least distance of two starts for which it must prove them, in ticks: at least `self.apart`.
         within: as for `Phases.least_distance`.
         """
         found: dict[str, str] = {}
-        apart = self.apart if apart is None else apart
         if covered.phases.least_distance(within) < apart:
             least = milliseconds(apart, covered.phases.ticks_per_second)
             reason = f"the case has starts that are less than {least} apart"
@@ -205,7 +156,7 @@ class TableMaker:
         self._on_progress = on_progress
         self._on_estimate = on_estimate
         self._on_run = on_run
-        self._rests_first: bool = covered.phases.has_jitter if rests_first is None else rests_first
+        self._rests_first: bool = covered.phases.jitter > 0 if rests_first is None else rests_first
         self._least_again = least_again
         self._timed_from = 0.0  # the CPU time at which the first entry was begun
         self._ignored = check(covered.case)

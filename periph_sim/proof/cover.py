@@ -10,12 +10,12 @@ neighbours outside, are always run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from itertools import groupby
 from pathlib import Path
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from ..timing.verdict import Verdict
 from .stretch import CoveredCase, Job, Outcome
@@ -91,27 +91,17 @@ class Covered(Struct):
         worse. If the margins are equal, the value of the run with fewer phases is worse.
         """
         old = self.worst.get(new.verdict.name)
-        if old is None or _is_worse(new, old):
+        if old is None or (rank(new.verdict), len(new.phases)) < (rank(old.verdict), len(old.phases)):
             self.worst[new.verdict.name] = new
 
 
-def _is_worse(new: Worst, old: Worst) -> bool:
-    if is_worse(new.verdict, old.verdict):
-        return True
-    return len(new.phases) < len(old.phases) and not is_worse(old.verdict, new.verdict)
-
-
-def is_worse(one: Verdict, two: Verdict) -> bool:
-    """Return True if verdict `one` is worse than verdict `two`.
+def rank(verdict: Verdict) -> tuple[bool, bool, float]:
+    """Return a key by which verdicts are sorted, the worst one first.
 
     A broken verdict is worse than one that is not broken. If both or neither are broken, the verdict with the smaller
     margin to its limit is worse, and a verdict with a margin is worse than a verdict without a margin.
     """
-    if one.broken != two.broken:
-        return one.broken
-    if one.margin is None or two.margin is None:
-        return two.margin is None and one.margin is not None
-    return one.margin < two.margin
+    return not verdict.broken, verdict.margin is None, verdict.margin or 0
 
 
 def nothing() -> Covered:
@@ -128,21 +118,16 @@ class Coverer:
     def __init__(self, case: CoveredCase, seed: int, found: Covered | None = None) -> None:
         self._case = case
         self._seed = seed
-        self._ran_before = case.runs
         self.found = nothing() if found is None else found
 
     def cover(self, phases: Sequence[int]) -> Covered:
         """Run all these phases, which are in ascending order, and return the results."""
         if self._case.phases.is_one_a_run:
             self.found.held += [phase for phase in phases if not self.status(phase)]
-        place = len(phases) if self._case.phases.is_one_a_run else 0
-        while place < len(phases):
-            rest = phases[place:]
-            if not self._run(rest).failures:
-                self.found.held += rest
-                break
-            place += self._failing(rest)
-        self.found.runs = self._case.runs - self._ran_before
+            return self.found
+        while phases and self._run(phases).failures:
+            phases = phases[self._failing(phases) :]
+        self.found.held += phases
         return self.found
 
     def _failing(self, phases: Sequence[int]) -> int:
@@ -190,6 +175,7 @@ class Coverer:
         The values of a failing run of several phases are not added, because a failure affects the later phases, too.
         """
         outcome = self._case.run(phases, self._seed)
+        self.found.runs += 1
         if len(phases) == 1 or not outcome.failures:
             self._count(outcome, phases)
         self.found.reasons = dict(outcome.reasons) | self.found.reasons
@@ -246,7 +232,11 @@ def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: 
     for name in names:
         for group in _groups(name, found):
             windows.append(_window(name, group, found, status, bounds))
-    return sorted(_merged(windows), key=lambda one: (one.first, one.last, one.name))
+    return sorted(_merged(windows), key=_place)
+
+
+def _place(window: Window) -> tuple[int, int, str]:
+    return window.first, window.last, window.name
 
 
 def _merged(windows: Iterable[Window]) -> list[Window]:
@@ -277,36 +267,22 @@ def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int],
     count: the number of phases of the period.
     status: the method `Coverer.status`.
     """
-    found = []
-    begins = {one.name: one for one in windows if not one.first and one.last < count - 1}
-    ends = {one.name: one for one in windows if one.last == count - 1 and one.first}
-    for one in windows:
-        begin, end = begins.get(one.name), ends.get(one.name)
-        if one is begin and end is None:
-            found.append(replace(one, is_closed=one.name not in status(count - 1) | status(one.last + 1)))
-        elif one is end and begin is None:
-            found.append(replace(one, is_closed=one.name not in status(0) | status(one.first - 1)))
-        elif one is end and begin is not None:
-            closed = one.name not in status(one.first - 1) | status(begin.last + 1)
-            found.append(Window(one.name, one.first, begin.last, one.run + begin.run, closed))
-        elif one is not begin:
-            found.append(one)
-    return found
+    at_end = [one for one in windows if (one.first == 0) != (one.last == count - 1)]
+    found = [one for one in windows if one not in at_end]
+    for name in sorted({one.name for one in at_end}):
+        parts = sorted((one for one in at_end if one.name == name), key=lambda one: one.first, reverse=True)
+        first, last = parts[0].first, parts[-1].last
+        closed = name not in status((first - 1) % count) | status((last + 1) % count)
+        found.append(Window(name, first, last, sum(one.run for one in parts), closed))
+    return sorted(found, key=_place)
 
 
 def _groups(name: str, found: Covered) -> Iterable[list[int]]:
     """Yield lists of phases at which `name` fails. Two lists are separated by phases at which it does not fail."""
-    held: Mapping[int, bool] = dict.fromkeys(found.held, False)
-    flags = {**held, **{phase: name in failures for phase, failures in found.failed.items()}}
-    group: list[int] = []
-    for phase in sorted(flags):
-        if flags[phase]:
-            group.append(phase)
-        elif group:
-            yield group
-            group = []
-    if group:
-        yield group
+    failing = {phase for phase, failures in found.failed.items() if name in failures}
+    for fails, group in groupby(sorted({*found.held, *found.failed}), failing.__contains__):
+        if fails:
+            yield list(group)
 
 
 def _window(

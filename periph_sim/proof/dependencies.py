@@ -12,8 +12,8 @@ from __future__ import annotations
 import os
 import sys
 import sysconfig
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from hashlib import blake2b
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
@@ -33,6 +33,7 @@ PROJECT = "pyproject.toml"
 SOURCES = (".asm", ".inc", ".h", ".c", ".out", ".toml")  # suffixes of files that a case names or sources include
 _read: set[str] | None = None  # the files that were opened for reading; None while they are not collected
 _hooks: list[object] = []  # the audit hook, which Python never removes
+_installed = lru_cache(maxsize=1)(packages_distributions)  # cached, because a call takes about half a second
 
 
 class Dependencies(Struct, frozen=True):
@@ -180,10 +181,8 @@ def _path_of(path: str | Path) -> str:
 def _source(path: str) -> str:
     """Return the path of a module's source, given that of its compiled file. Return other paths unchanged."""
     if path.endswith(".pyc"):
-        try:
+        with suppress(ValueError):
             return source_from_cache(path)
-        except ValueError:
-            pass
     return path
 
 
@@ -197,15 +196,6 @@ def _libraries() -> tuple[str, ...]:
 def _is_library(path: str) -> bool:
     compiled = os.path.join(gettempdir(), TEMPORARY)
     return path.startswith((*_libraries(), compiled, "/proc/", "/sys/", "/dev/"))
-
-
-@lru_cache(maxsize=1)
-def _installed() -> Mapping[str, list[str]]:
-    """Return a dictionary from modules to the packages that contain them.
-
-    It is cached, because it takes about half a second to make.
-    """
-    return packages_distributions()
 
 
 def _version(name: str) -> str:

@@ -201,7 +201,7 @@ def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, see
 
 
 def _run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, seed: int) -> int:
-    covered = within_round(case_of(job, Path.cwd())).at_rate(task.error)
+    covered = within_round(case_of(job, Path.cwd())).with_host("error", task.error)
     orbits, random = len(known.orbits.known), Random(seed)
     known = deepcopy(known)  # a call must not change the arguments of other calls in this process
     assert known.cells is not None

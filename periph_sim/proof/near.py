@@ -16,7 +16,6 @@ from contextlib import suppress
 
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
-from ..scene.scene import Scene
 from .stretch import RUN_ERRORS, CoveredCase
 
 BEFORE, AFTER = 400, 60  # limits of "near": an interrupt comes at most 400 cycles before, or 60 cycles after, a write
@@ -42,10 +41,9 @@ class Observed:
         phases, count = covered.phases, covered.phases.count
         chosen = [number * count // OBSERVED for number in range(OBSERVED)]
         self._records: list[Record] = []
-        inputs, duration = phases.inputs(chosen)
-        case = covered.case.model_copy(update={"inputs": inputs, "duration": duration})
+        scene = covered.scene_of(*phases.inputs(chosen), covered.case.seed, self._subscribe)
         with suppress(*RUN_ERRORS):  # an error ends the run; the rounds before it are observed
-            Scene(case, self._subscribe).run()
+            scene.run()
         starts = phases.starts([*chosen, chosen[-1]])
         self.writes: set[int] = set()
         entries: list[list[int]] = [[] for _ in chosen]

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import accumulate
 from math import ceil
 from random import Random
 from typing import Literal, NamedTuple
@@ -58,6 +59,8 @@ class Phases:
     moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
     cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
     count: number of phases: the cycles in a period; with `start_up` and a controller, those before the first round.
+    first_start: the number of ticks from the start of a run to the first due time.
+    jitter: the largest delay of a moved start, in ticks; 0 if the moved starts of the case have no jitter.
     warm_up: number of periods before the first moved start. This start comes after the time `after` of each budget.
         With `start_up`, the first moved start comes earlier, and a run has `warm_up` further starts instead.
     """
@@ -74,9 +77,11 @@ class Phases:
         self._start = ticks.start
         self.cycle = int(self._per_second / max(unit.oscclk * unit.pll / 2 for unit in case.unit.values()))
         self._grid = _grid(plan)
-        self._jitter = _jitter(plan, self.moved)
+        self.first_start = self._grid.first - self._start
+        self.jitter = _jitter(plan, self.moved)
+        self._adds_delays = self.moved == "frames" and plan.host[0].paced_by == "pause"
         is_before_rounds = start_up and case.controller is not None
-        self.count = int((self._grid.first - self._start if is_before_rounds else self._grid.period) // self.cycle)
+        self.count = int((self.first_start if is_before_rounds else self._grid.period) // self.cycle)
         if not self.count:
             raise case.mistake(
                 "the first round starts at once, so there is no start-up before it", "controller", "first"
@@ -85,9 +90,7 @@ class Phases:
         judged_from = max((limit.not_before for limit in plan.limits), default=0)
         if self.is_relative:
             judged_from = max(judged_from, self._start + plan.host[0].first)
-        self.warm_up = WARM_UP
-        while self._grid.due(self.warm_up) < judged_from:
-            self.warm_up += 1
+        self.warm_up = max(WARM_UP, ceil((judged_from - self._grid.first) / self._grid.period))
 
     @property
     def is_relative(self) -> bool:
@@ -108,21 +111,11 @@ class Phases:
         within: the greatest difference, in ppm, of the clock's error from the error in the case. It only counts if
             rounds and frames are not both free.
         """
-        longest = self._grid.period + self._jitter
+        longest = self._grid.period + self.jitter
         if self.is_relative:
             host, rounds = self._plan.host[0], self._plan.head.schedule
             return min(int(one.period) - one.jitter for one in (host, rounds))
-        return int(self._grid.period) - self._jitter - ceil(longest * 2 * within / 10**6)
-
-    @property
-    def has_jitter(self) -> bool:
-        """True if the moved starts of the case have jitter."""
-        return self._jitter > 0
-
-    @property
-    def adds_delays(self) -> bool:
-        """True if the delay of a moved start also delays all later ones (`paced_by = "pause"`)."""
-        return self.moved == "frames" and self._plan.host[0].paced_by == "pause"
+        return int(self._grid.period) - self.jitter - ceil(longest * 2 * within / 10**6)
 
     @property
     def most_starts(self) -> int | None:
@@ -131,28 +124,19 @@ class Phases:
 
     def due_starts(self, count: int) -> list[int]:
         """Return the ticks of the first `count` moved starts without jitter, from the start of the run."""
-        period = self._grid.period // 1 if self.adds_delays else self._grid.period
-        grid = Grid(self.first_start(), Fraction(period))
+        period = self._grid.period // 1 if self._adds_delays else self._grid.period
+        grid = Grid(self.first_start, Fraction(period))
         return [grid.due(number) for number in range(count)]
 
     def delays(self, seed: int, count: int) -> list[int]:
         """Return the delays by jitter of the first `count` moved starts in a run with this seed, in ticks.
 
-        The sensor head and the host draw them with `Random.randrange`. It draws bits until their value is in the range,
-        and is called for each start. Doing the same here takes half the time.
+        The sensor head and the host draw a number for each start. With `paced_by = "pause"`, the delay of a start also
+        delays all later ones.
         """
-        draw = Random(seed + HOST_SEED if self.moved == "frames" else seed).getrandbits
-        jitter, bits = self._jitter, (self._jitter + 1).bit_length()
-        found: list[int] = []
-        while len(found) < count:
-            delay = draw(bits)
-            if delay <= jitter:
-                found.append(delay)
-        return found
-
-    def first_start(self) -> int:
-        """Return the number of ticks from the start of a run to the first due time."""
-        return self._grid.first - self._start
+        random = Random(seed + HOST_SEED if self.moved == "frames" else seed)
+        drawn = [random.randrange(self.jitter + 1) for _ in range(count)]
+        return list(accumulate(drawn)) if self._adds_delays else drawn
 
     def first_starts(self) -> dict[str, int]:
         """Return the number of ticks from the start of a run to the first due start, for each kind of moved start.
@@ -160,8 +144,8 @@ class Phases:
         If phases are counted from rounds, the kinds are "frames" and "rounds"; otherwise, the only kind is `moved`.
         """
         if not self.is_relative:
-            return {self.moved: self.first_start()}
-        return {"frames": self._plan.host[0].first, "rounds": self.first_start()}
+            return {self.moved: self.first_start}
+        return {"frames": self._plan.host[0].first, "rounds": self.first_start}
 
     def not_exact(self, any_tick: bool) -> str:
         """Return why a first start of the case is not at an exact time, or why rounds do not start with a CPU cycle.
@@ -222,9 +206,7 @@ class Phases:
 
     def cycles_after_due(self, tick: int) -> int:
         """Return the number of cycles from the beginning of the period that contains a tick to this tick."""
-        number = int((tick - self._grid.first) / self._grid.period) + 1  # number of the tick's period, or higher
-        while self._grid.due(number) > tick:
-            number -= 1
+        number = ceil((tick + 1 - self._grid.first) / self._grid.period) - 1  # the last period that has begun then
         return (tick - self._grid.due(number)) // self.cycle
 
     def between(self, first: Fraction, last: Fraction) -> tuple[int, int]:

@@ -8,46 +8,21 @@ Only closed tables are saved. A proof holds for the case as it was then: if a de
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
 from ..core.phrases import counted
-from ..timing.verdict import NOT_JUDGED, Verdict
+from ..timing.verdict import NOT_JUDGED
 from . import saved_file
 from .closed_table import milliseconds, starts_text
 from .dependencies import Dependencies
 from .saved_paths import proof_path
-from .table_proof import TableProof
+from .table_proof import TableProof, WorstRun
 
 RENEW = "write it again with prove --table --save"
 TOO_LITTLE = "too little was measured to judge it"
-
-
-class ProvenBudget(Struct, frozen=True):
-    """A proven budget.
-
-    worst: the worst value of all starts.
-    changes: the "key=value" texts of the run with this value: its clock, if the proof is for a range of clocks.
-    starts: the starts of this run, up to the value itself, in ticks from the start of the run; only those of frames if
-        both rounds and frames are free.
-    rounds: the starts of rounds in this run, if both are free; else None.
-    until: the tick at which this run ends, from its start.
-    """
-
-    worst: Verdict
-    changes: tuple[str, ...]
-    starts: tuple[int, ...]
-    until: Annotated[int, Meta(ge=0)]
-    rounds: tuple[int, ...] | None = None
-
-    def __post_init__(self) -> None:
-        each = (self.starts, self.rounds or ())
-        missing = not any(each) or any(starts and starts[0] < 0 for starts in each)
-        if missing or any(one >= two for starts in each for one, two in pairwise(starts)):
-            raise ValueError("the starts of a worst value are missing, negative or not ascending")
 
 
 class ProofFile(Struct, frozen=True, kw_only=True):
@@ -85,7 +60,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     apart: int
     starts: int
     again: int
-    proven: dict[str, ProvenBudget]
+    proven: dict[str, WorstRun]
     not_proven: dict[str, str]
     dependencies: Dependencies
 
@@ -121,14 +96,12 @@ def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
     """Return the contents of the proof file for closed tables."""
     covered, worst = made.covered, made.worst()
     not_proven = covered.not_whole | made.not_proven()
-    proven: dict[str, ProvenBudget] = {}
+    proven: dict[str, WorstRun] = {}
     for name, word in made.words().items():
         if word == NOT_JUDGED:
             not_proven.setdefault(name, TOO_LITTLE)
         elif name not in not_proven:
-            starts, rounds, until = worst[name].run()
-            before = None if rounds is None else tuple(rounds)
-            proven[name] = ProvenBudget(worst[name].verdict, worst[name].part.changes, tuple(starts), until, before)
+            proven[name] = worst[name].run()
     return ProofFile(
         case=covered.case.name,
         moved=made.moved,

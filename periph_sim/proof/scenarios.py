@@ -66,10 +66,10 @@ class Scenarios:
             )
         self.moved = covered.phases.moved
         self.ticks_per_second = covered.phases.ticks_per_second
-        self.first = table.first_rest + 1 if table.rests_first else covered.phases.first_start()
+        self.first = table.first_rest + 1 if table.rests_first else covered.phases.first_start
         self.apart = table.apart
         self.most = covered.phases.most_starts
-        self.left_out = covered.not_whole | table.not_proven(covered) | self._without_values
+        self.left_out = covered.not_whole | table.not_proven(covered, table.apart) | self._without_values
         self.budgets = tuple(one.name for one in covered.case.budget if one.name not in self.left_out)
         for name in self.budgets:
             if name in self._differing:
@@ -89,10 +89,7 @@ class Scenarios:
             until = "or more" if self.most is None else f"to {self.most}, since the case has no more {self.moved}"
             raise ValueError(f"rounds: {rounds}; expected 1 {until}")
         delays = [self._phases.delays(index(seed), rounds) for seed in seeds]
-        late = np.array(delays, np.int64).reshape(-1, rounds)
-        if self._phases.adds_delays:
-            late = late.cumsum(axis=1)
-        starts = np.array(self._phases.due_starts(rounds)) + late
+        starts = np.array(self._phases.due_starts(rounds)) + np.array(delays, np.int64).reshape(-1, rounds)
         self._check(starts)
         return starts
 
@@ -117,7 +114,7 @@ class Scenarios:
     def _check(self, starts: NDArray[np.int64]) -> None:
         if starts.ndim != 2 or not starts.size or starts.dtype != np.int64:
             raise ValueError(f"starts: {starts.dtype} of shape {starts.shape}; expected int64 of shape (n, rounds)")
-        is_free, earliest = self._phases.has_jitter, starts[:, 0].min()
+        is_free, earliest = self._phases.jitter > 0, starts[:, 0].min()
         if earliest < self.first or (not is_free and (starts[:, 0] != self.first).any()):
             expected = f"before tick {self.first}" if is_free else f"not at tick {self.first}"
             raise ValueError(f"starts: a first start is {expected}, where the table begins")
@@ -130,7 +127,7 @@ class Scenarios:
     def _observe(self, run: FreeRun, begun: Sequence[RestPlace]) -> None:
         """Keep the worst value of each budget in each round of a run."""
         starts = np.array(run.frames or run.rounds)
-        places = begun if self._phases.has_jitter else [None, *begun]
+        places = begun if self._phases.jitter else [None, *begun]
         for limit in run.scene.limits:
             name = limit.budget.name
             reason = JOINED if limit.joined else "" if limit.measure.series else NO_SERIES
@@ -138,7 +135,7 @@ class Scenarios:
                 self._without_values[name] = reason
                 continue
             values, known = limit.values(run.scene.start), self._worst.setdefault(name, {})
-            if self._phases.has_jitter and values is not None and values.at.min(initial=starts[0]) < starts[0]:
+            if self._phases.jitter and values is not None and values.at.min(initial=starts[0]) < starts[0]:
                 self._without_values[name] = EARLIER
                 continue
             for number, nearest in [] if values is None else worst_in_rounds(values, starts):

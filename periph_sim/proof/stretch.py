@@ -78,7 +78,6 @@ class CoveredCase:
     phases: the phases of the case.
     left_out: for each budget or input that is not covered, the reason.
     not_whole: for each budget that is left out, or of which the limits of percentiles are left out, the reason.
-    runs: the number of runs so far.
     unknowns: the options on which these runs depend, as in `Result.unknowns`.
 
     Raise BadCase if the case has no free phase, or no budget is left.
@@ -96,7 +95,7 @@ class CoveredCase:
             if reason:
                 self.left_out[budget.name] = self.not_whole[budget.name] = reason
                 continue
-            kept.append(without_percentiles(budget))
+            kept.append(budget.model_copy(update=dict.fromkeys(PER_MILLE)))  # without the limits of percentiles
             self.left_out |= {f"{percentile(key)} of {budget.name}": PERCENTILE for key in percentiles}
             if percentiles:
                 self.not_whole[budget.name] = PERCENTILE
@@ -105,7 +104,6 @@ class CoveredCase:
         self._plan = ScenePlan(case.model_copy(update={"budget": tuple(kept)}), whole)
         self.phases = Phases(self._plan, job.start_up, job.rounds)
         self.left_out |= _inputs_left_out(case, self.phases)
-        self.runs = 0
         self.unknowns: set[str] = set()
 
     @property
@@ -117,15 +115,12 @@ class CoveredCase:
         ticks = self._plan.ticks
         return float(ticks.timebase.seconds(tick - ticks.start)), ticks.timebase.show(tick - ticks.start)
 
-    def at_rate(self, error: Fraction) -> CoveredCase:
-        """Return this case with another error of the host's bit rate, in percent."""
-        return self._with_host("error", error)
-
     def with_ramp(self) -> CoveredCase:
         """Return this case with frames of a ramp, whose data change from frame to frame."""
-        return self._with_host("motion", {})
+        return self.with_host("motion", {})
 
-    def _with_host(self, key: str, value: object) -> CoveredCase:
+    def with_host(self, key: str, value: object) -> CoveredCase:
+        """Return this case with another value of a key of [host]."""
         assert self.case.host is not None
         other = copy(self)
         host = self.case.host.model_copy(update={key: value})
@@ -193,7 +188,7 @@ class CoveredCase:
             events = set[str]().union(*(round_events(part.make()) for part in parts))
             if "next" in events:
                 ranges.add("the start of the next round")
-            if events & DUE and self.phases.has_jitter:
+            if events & DUE and self.phases.jitter:
                 ranges.add("the jitter of the round")
         return found
 
@@ -221,7 +216,6 @@ class CoveredCase:
         subscribe: as for `Scene`.
         before: the run ends before this tick; None for the usual end.
         """
-        self.runs += 1
         inputs, duration = self.phases.inputs(phases)
         if before is not None:
             duration = Fraction(before - 1 - self._plan.ticks.start, self.phases.ticks_per_second)
@@ -254,11 +248,6 @@ def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:
     if phases.is_relative and case.controller is not None and case.controller.jitter:
         found["controller.jitter"] = "it is drawn"
     return found
-
-
-def without_percentiles(budget: Budget) -> Budget:
-    """Return a copy of a budget without the limits of percentiles."""
-    return budget.model_copy(update=dict.fromkeys(PER_MILLE))
 
 
 def _why_left_out(plan: BudgetPlan) -> str:

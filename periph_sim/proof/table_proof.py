@@ -6,14 +6,18 @@ case --clock_errors--> changed cases --TableMaker--> Part, Part, ... --> worst v
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from decimal import Context, Inexact
 from fractions import Fraction
-from typing import NamedTuple
+from itertools import pairwise
+from typing import Annotated, NamedTuple
 
-from ..timing.verdict import BROKEN, NOT_JUDGED, PROVEN, Verdict
+from msgspec import Meta, Struct
+
+from ..timing.verdict import NOT_JUDGED, PROVEN, SEEN, Verdict
 from .calls import CallAll, call_here
 from .clock_errors import clock_errors
-from .closed_table import BOTH, LEAST_REVISITED, StartTable, TableMaker, WorstInRuns, WorstRun
-from .cover import is_worse
+from .closed_table import BOTH, LEAST_REVISITED, StartTable, TableMaker
+from .cover import rank
 from .free_run import NotClosed
 from .host_rates import plan_rates, prove_rates
 from .other_data import data_use, follow_data
@@ -37,19 +41,48 @@ class Part(NamedTuple):
     changes: tuple[str, ...]
 
 
+class WorstRun(Struct, frozen=True):
+    """The worst value of a budget, and the run in which it was seen. All ticks are from the start of the run.
+
+    worst: the worst value of all starts.
+    changes: the "key=value" texts of the run: its clock, if the proof is for a range of clocks.
+    starts: the ticks of the starts up to the value; only those of frames if both rounds and frames are free.
+    until: the tick at which the run ends, before a later start.
+    rounds: if both rounds and frames are free, the ticks of the starts of rounds; else None.
+    """
+
+    worst: Verdict
+    changes: tuple[str, ...]
+    starts: tuple[int, ...]
+    until: Annotated[int, Meta(ge=0)]
+    rounds: tuple[int, ...] | None = None
+
+    def __post_init__(self) -> None:
+        each = (self.starts, self.rounds or ())
+        missing = not any(each) or any(starts and starts[0] < 0 for starts in each)
+        if missing or any(one >= two for starts in each for one, two in pairwise(starts)):
+            raise ValueError("the starts of a worst value are missing, negative or not ascending")
+
+
 class WorstInProof(NamedTuple):
-    """The worst value of a budget in all tables, and the table that has it."""
+    """The worst value of a budget in all tables, the table that has it, and the number of the run in this table."""
 
     part: Part
-    found: WorstInRuns
-
-    @property
-    def verdict(self) -> Verdict:
-        return self.found.verdict
+    number: int
+    verdict: Verdict
 
     def run(self) -> WorstRun:
-        """Return the starts and the end of the run."""
-        return self.part.table.run_of(self.found, self.part.covered.phases.ticks_per_second)
+        """Return the run up to the worst value. If the worst value has no instant, return the whole run."""
+        table, per_second = self.part.table, self.part.covered.phases.ticks_per_second
+        starts, rounds = table.starts[self.number], table.rounds[self.number] if table.rounds else None
+        both = sorted([*starts, *(rounds or ())])
+        at = both[-1] if self.verdict.at_s is None else round(self.verdict.at_s * per_second)
+        after = [start for start in both[1:] if start > at]  # the run has a start, even if the value is before it
+        after = after if rounds is None else after[1:]  # the next start can belong to the same group
+        until = after[0] if after else both[-1] + table.apart
+        before = None if rounds is None else tuple(start for start in rounds if start < until)
+        begun = tuple(start for start in starts if start < until)
+        return WorstRun(self.verdict, self.part.changes, begun, until - 1, before)
 
 
 class TableProof(NamedTuple):
@@ -109,7 +142,7 @@ class TableProof(NamedTuple):
         If `rests_first` is True, the proof holds for a first start at any tick after the first rest.
         """
         if not self.rests_first:
-            return self.covered.phases.first_start()
+            return self.covered.phases.first_start
         return max(part.table.first_rest for part in self.parts)
 
     @property
@@ -121,9 +154,10 @@ class TableProof(NamedTuple):
         """Return a dictionary from each budget to its worst value in all tables."""
         found: dict[str, WorstInProof] = {}
         for part in self.parts:
-            for name, worst in part.table.worst().items():
-                if name not in found or is_worse(worst.verdict, found[name].verdict):
-                    found[name] = WorstInProof(part, worst)
+            for number, outcome in enumerate(part.table.outcomes):
+                for verdict in outcome.verdicts:
+                    if verdict.name not in found or rank(verdict) < rank(found[verdict.name].verdict):
+                        found[verdict.name] = WorstInProof(part, number, verdict)
         return found
 
     def not_proven(self) -> dict[str, str]:
@@ -144,12 +178,10 @@ class TableProof(NamedTuple):
         worst, not_proven, words = self.worst(), self.not_proven(), {}
         for budget in self.covered.case.budget:
             found = worst.get(budget.name)
-            if found is None or not (found.verdict.passed or found.verdict.broken):
-                words[budget.name] = NOT_JUDGED
-            elif found.verdict.broken:
-                words[budget.name] = BROKEN
-            else:
-                words[budget.name] = HELD if self.has_failed or budget.name in not_proven else PROVEN
+            word = NOT_JUDGED if found is None else found.verdict.word
+            if word in (SEEN, PROVEN):
+                word = HELD if self.has_failed or budget.name in not_proven else PROVEN
+            words[budget.name] = word
         return words
 
 
@@ -177,79 +209,65 @@ def prove(
             raise covered.case.mistake(f"{option} needs both a [host] and a [controller]; remove the option", "name")
     errors = [None] if within is None else clock_errors(covered.case, within)
     jobs = [job if error is None else _with_clock(covered, job, error) for error in errors]
-    first = covered if within is None else CoveredCase(jobs[0])
-    if covered.phases.is_relative:
-        made = TableProof(within_round(covered), within, [], rates, any_tick)
-        return _of_pairs(made, job, jobs, on_progress, on_estimate, call_all)
-    least_again = -(-LEAST_REVISITED // len(jobs))
-    rests_first = None if within is None else True
-    parts: list[Part] = []
-
-    def advance(done: float) -> None:
-        if on_progress is not None:
-            on_progress((len(parts) + done) / len(jobs))
-
-    def estimate(entries: int, seconds: float) -> None:
-        if on_estimate is not None:
-            on_estimate(len(jobs), entries, seconds * len(jobs))
-
-    def tables() -> Iterator[StartTable]:
-        yield TableMaker(first, advance, estimate, None, rests_first, least_again).make()
-        arguments = [(one, True, least_again) for one in jobs[1:]]
-        yield from call_all(make_table, arguments)
-
-    for one, table in zip(jobs, tables(), strict=True):
-        parts.append(Part(CoveredCase(one) if parts else first, table, one.changes[len(job.changes) :]))
-        advance(0)
-        if table.has_failed:
-            break
-    return TableProof(covered, within, parts, data_use=_data_use(covered, parts[-1].table))
-
-
-def _of_pairs(
-    made: TableProof,
-    job: Job,
-    jobs: Sequence[Job],
-    on_progress: Callable[[float], None] | None,
-    on_estimate: Callable[[int, int, float], None] | None,
-    call_all: CallAll,
-) -> TableProof:
-    """Make the tables of a case whose rounds and frames are free. See `prove`.
-
-    made: the proof without tables. jobs: for each table, the case of `job` with further changes.
-    """
+    made = TableProof(covered, within, [], rates, any_tick)
 
     def advance(done: float) -> None:
         if on_progress is not None:
             on_progress((len(made.parts) + done) / len(jobs))
 
-    def estimate(groups: int, seconds: float) -> None:
+    def estimate(entries: int, seconds: float) -> None:
         if on_estimate is not None and not made.parts:
-            on_estimate(len(jobs), groups, seconds * len(jobs))
+            on_estimate(len(jobs), entries, seconds * len(jobs))
 
-    ignored = check_pair(made.covered.case)
-    reason = made.covered.phases.not_exact(made.any_tick)
+    tables = _pair_tables if covered.phases.is_relative else _tables
+    for one, (case, table) in zip(jobs, tables(made, jobs, advance, estimate, call_all), strict=True):
+        made.parts.append(Part(case, table, one.changes[len(job.changes) :]))
+        advance(0)
+        if table.has_failed:
+            return made
+    if covered.case.host is None:
+        return made
+    uses = (data_use(part.covered, part.table) for part in made.parts)
+    return made._replace(data_use=next(filter(None, uses), ""))
+
+
+def _tables(
+    made: TableProof,
+    jobs: Sequence[Job],
+    advance: Callable[[float], None],
+    estimate: Callable[[int, float], None],
+    call_all: CallAll,
+) -> Iterator[tuple[CoveredCase, StartTable]]:
+    """Yield the case and the table of each job. made: the proof, without tables. For the others, see `prove`."""
+    least_again = -(-LEAST_REVISITED // len(jobs))
+    first = made.covered if made.within is None else CoveredCase(jobs[0])
+    rests_first = None if made.within is None else True
+    yield first, TableMaker(first, advance, estimate, None, rests_first, least_again).make()
+    cases = (CoveredCase(job) for job in jobs[1:])
+    yield from zip(cases, call_all(make_table, [(job, True, least_again) for job in jobs[1:]]), strict=True)
+
+
+def _pair_tables(
+    made: TableProof,
+    jobs: Sequence[Job],
+    advance: Callable[[float], None],
+    estimate: Callable[[int, float], None],
+    call_all: CallAll,
+) -> Iterator[tuple[CoveredCase, StartTable]]:
+    """Do the same as `_tables` for a case whose rounds and frames are free."""
+    covered = within_round(made.covered)
+    ignored, reason = check_pair(covered.case), covered.phases.not_exact(made.any_tick)
     if reason:
         raise NotClosed(reason)
-    uses = []
-    for one in jobs:
-        covered = CoveredCase(one)
-        maker = PairMaker(covered, one, ignored, advance, estimate, call_all, LEAST_REVISITED, made.any_tick)
+    for job in jobs:
+        maker = PairMaker(CoveredCase(job), job, ignored, advance, estimate, call_all, LEAST_REVISITED, made.any_tick)
         maker.explore()
         plan = None if made.rates is None else plan_rates(maker, ignored, made.rates)
         maker.estimate([len(starts) for _, starts in plan or ()])
         table = maker.make()
         if plan is not None and not table.has_failed:
-            prove_rates(plan, maker, one, ignored, LEAST_REVISITED, call_all)
-        made.parts.append(Part(covered, table, one.changes[len(job.changes) :]))
-        uses.append(_data_use(maker.covered, table))
-        if table.has_failed:
-            break
-    return made._replace(data_use=None if made.has_failed else next(filter(None, uses), ""))
-
-
-def _data_use(covered: CoveredCase, table: StartTable) -> str | None:
-    return None if covered.case.host is None or table.has_failed else data_use(covered, table)
+            prove_rates(plan, maker, job, ignored, LEAST_REVISITED, call_all)
+        yield maker.covered, table
 
 
 def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:
@@ -268,11 +286,6 @@ def _with_clock(covered: CoveredCase, job: Job, error: Fraction) -> Job:
 
 
 def _decimal(value: Fraction) -> str:
-    """Return a number whose denominator is a power of two, or a decimal number, as a decimal text without rounding."""
-    digits = 0
-    while (value * 10**digits).denominator != 1:
-        digits += 1
-    whole = value * 10**digits
-    text = f"{abs(whole.numerator):0{digits + 1}d}"
-    sign = "-" if value < 0 else ""
-    return f"{sign}{text[: len(text) - digits]}.{text[len(text) - digits :] or '0'}"
+    """Return a number whose denominator divides a power of ten as a decimal text without rounding."""
+    exact = Context(prec=value.numerator.bit_length() + value.denominator.bit_length() + 1, traps=[Inexact])
+    return f"{exact.divide(value.numerator, value.denominator):f}"

@@ -69,7 +69,7 @@ def test_each_error_in_the_range_has_the_lengths_of_one_that_is_found(whole: tup
     errors = clock_errors(case, WITHIN)
     found = {lengths(case, error) for error in errors}
     assert len(found) == len(errors) == 4
-    assert [(f"controller.ppm={float(error)}",) for error in errors] == [part.changes for part in whole[1].parts]
+    assert [(f"controller.ppm={float(error):.17g}",) for error in errors] == [part.changes for part in whole[1].parts]
     drawn = [Fraction(random.randrange(-10 * 10**9, 10 * 10**9 + 1), 10**9) for _ in range(1000)]
     assert {lengths(case, error) for error in [-WITHIN, WITHIN, *drawn]} == found
 
@@ -127,9 +127,9 @@ def test_a_limit_that_only_a_slow_clock_breaks(tmp_path: Path):
     assert (broken.has_failed, broken.words()["pause"]) == (True, "broken")
     (change,) = worst.part.changes
     assert -10 <= float(change.removeprefix("controller.ppm=")) < -3
-    starts, _, until = worst.run()
-    covered = worst.part.covered
-    scene = covered.scene_of(covered.phases.inputs_at(starts), Fraction(until, covered.phases.ticks_per_second), 1)
+    run, covered = worst.run(), worst.part.covered
+    end = Fraction(run.until, covered.phases.ticks_per_second)
+    scene = covered.scene_of(covered.phases.inputs_at(run.starts), end, 1)
     (verdict,) = [one for one in scene.run().budgets if one.name == "pause"]
     assert (verdict.broken, verdict.worst) == (True, worst.verdict.worst)
 

@@ -10,14 +10,17 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from random import Random
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from periph_sim.proof import closed_table, free_run
-from periph_sim.proof.closed_table import Contradiction, StartTable, TableMaker, WorstInRuns
+from periph_sim.proof.closed_table import Contradiction, StartTable, TableMaker
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.normal_state import NormalState, normal_state
 from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.proof.table_proof import Part, TableProof, WorstInProof
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
@@ -75,8 +78,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, StartT
     return case, TableMaker(case).make()
 
 
-def worst_of(table: StartTable) -> float:
-    worst = table.worst()["echo"].verdict.worst
+def proof(case: CoveredCase, table: StartTable) -> TableProof:
+    return TableProof(case, None, [Part(case, table, ())])
+
+
+def worst_of(case: CoveredCase, table: StartTable) -> float:
+    worst = proof(case, table).worst()["echo"].verdict.worst
     assert worst is not None
     return worst
 
@@ -85,7 +92,7 @@ def test_a_table_is_closed_when_each_start_was_run_from_each_state(whole: tuple[
     case, table = whole
     assert (table.orbits, table.entries, table.has_failed) == ([PERIOD], PERIOD, False)
     assert table.again == closed_table.LEAST_REVISITED
-    assert table.not_proven(case) == {}
+    assert table.not_proven(case, table.apart) == {}
 
 
 def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: tuple[CoveredCase, StartTable]):
@@ -94,7 +101,7 @@ def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: tupl
     random, per_second = Random(5), case.phases.ticks_per_second
     seen = []
     for _ in range(40):
-        starts = [case.phases.first_start()]
+        starts = [case.phases.first_start]
         for _ in range(20):
             starts.append(starts[-1] + table.apart + random.randrange(per_second // 1000))
         inputs = InputsTable(frames=tuple(Fraction(start, per_second) for start in starts))
@@ -103,31 +110,36 @@ def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: tupl
         (worst,) = [verdict.worst for verdict in result.budgets]
         assert worst is not None
         seen.append(worst)
-    assert max(seen) == worst_of(table)
-    assert min(seen) < worst_of(table)
+    assert max(seen) == worst_of(case, table)
+    assert min(seen) < worst_of(case, table)
 
 
 def test_a_limit_just_below_the_worst_value_is_broken(whole: tuple[CoveredCase, StartTable], tmp_path: Path):
-    broken = made(write_echo(tmp_path, round(worst_of(whole[1]) - 0.001, 3)))
+    case = covered(write_echo(tmp_path, round(worst_of(*whole) - 0.001, 3)))
+    broken = TableMaker(case).make()
     assert broken.has_failed
-    assert broken.worst()["echo"].verdict.broken
+    assert proof(case, broken).worst()["echo"].verdict.broken
 
 
 @pytest.mark.parametrize(
     ("at_s", "rounds", "run"),
     [
-        (150, [], ([100], None, 199)),
-        (199, [], ([100], None, 199)),
-        (200, [], ([100, 200], None, 249)),
-        (None, [], ([100, 200], None, 249)),
-        (110, [[120, 300]], ([100], [120], 199)),
+        (50, [], ((100,), None, 199)),
+        (150, [], ((100,), None, 199)),
+        (199, [], ((100,), None, 199)),
+        (200, [], ((100, 200), None, 249)),
+        (None, [], ((100, 200), None, 249)),
+        (110, [[120, 300]], ((100,), (120,), 199)),
     ],
 )
 def test_the_run_of_a_worst_value_ends_before_a_later_start(at_s: float | None, rounds: list[list[int]], run: object):
     """With both rounds and frames, the next start can belong to the same group. The least distance is 50 ticks."""
     table = StartTable([], 0, 0, 50, 0, False, [], [[100, 200]], set(), set(), rounds)
     verdict = Verdict("x", "x", "us", 1, 2, 1, 1, "pass", at_s)
-    assert table.run_of(WorstInRuns(verdict, 0), 1) == run
+    case: Any = SimpleNamespace(phases=SimpleNamespace(ticks_per_second=1))
+    found = WorstInProof(Part(case, table, ("seed=7",)), 0, verdict).run()
+    assert (found.worst, found.changes) == (verdict, ("seed=7",))
+    assert (found.starts, found.rounds, found.until) == run
 
 
 def test_the_register_slave_has_a_closed_table():
@@ -136,7 +148,7 @@ def test_the_register_slave_has_a_closed_table():
     case = covered(path)
     table = TableMaker(case).make()
     assert (table.orbits, table.entries, table.has_failed) == ([80], 80, False)
-    assert table.not_proven(case) == {}
+    assert table.not_proven(case, table.apart) == {}
 
 
 # States that lack something ------------------------------------------------------
@@ -173,8 +185,9 @@ def test_a_phase_that_follows_from_the_rest_of_the_state_can_be_left_out(
 ):
     """The clock of the receiver is in phase with that of the transmitter."""
     monkeypatch.setattr(free_run, "normal_state", without(CLOCKS[:1]))
-    table = made(write_echo(tmp_path))
-    assert (table.orbits, worst_of(table)) == (whole[1].orbits, worst_of(whole[1]))
+    case = covered(write_echo(tmp_path))
+    table = TableMaker(case).make()
+    assert (table.orbits, worst_of(case, table)) == (whole[1].orbits, worst_of(*whole))
 
 
 # Refused --------------------------------------------------------------------------
@@ -206,9 +219,9 @@ def test_a_case_without_a_table_is_named(name: str, changes: tuple[str, ...], re
 def test_a_case_whose_starts_are_closer_than_those_of_the_table_is_not_proven(whole: tuple[CoveredCase, StartTable]):
     case, table = whole
     closer = covered(Path(case.case.file), "host.period=2 ms")
-    assert table.not_proven(closer) == {"echo": "the case has starts that are less than 2.1001 ms apart"}
+    assert table.not_proven(closer, table.apart) == {"echo": "the case has starts that are less than 2.1001 ms apart"}
     jitter = covered(Path(case.case.file), "host.period=10 ms", "host.jitter=9 ms")
-    assert set(table.not_proven(jitter)) == {"echo"}
+    assert set(table.not_proven(jitter, table.apart)) == {"echo"}
 
 
 class Announced(Exception):

@@ -175,6 +175,7 @@ def test_a_window_grows_by_phases_that_held_only_while_the_phase_increased() -> 
 def test_a_budget_that_no_run_judges_has_no_judged_run() -> None:
     class Silent(FakeEngine):
         def run(self, phases: Sequence[int], seed: int) -> Outcome:
+            self.runs += 1
             return Outcome((verdict("x", None),), frozenset())
 
     found, _ = covered(Silent())

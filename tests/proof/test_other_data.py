@@ -63,7 +63,7 @@ def test_an_external_interrupt_is_refused(tmp_path: Path) -> None:
     setting = "MOV   @SCICCR,#0x07"
     path = write_echo(tmp_path, 2.0, (setting, f"{setting}\n          MOV   @0x7070,#1        ; XINT1CR"))
     case = covered(path)
-    start, per_second = case.phases.first_start(), case.phases.ticks_per_second
+    start, per_second = case.phases.first_start, case.phases.ticks_per_second
     table = StartTable([1], 1, 0, per_second // 100, start + per_second // 500, False, [], [[start]], set(), set())
     assert data_use(case, table) == ""  # the module is missing
     assert data_use(covered(path, 'unit.dsp.modules=["SCI-A", "GPIO", "XINT"]'), table) == EXTERNAL
@@ -71,7 +71,7 @@ def test_an_external_interrupt_is_refused(tmp_path: Path) -> None:
 
 def test_a_host_far_from_the_rate_of_the_sci_is_refused(tmp_path: Path) -> None:
     case, table = tabled(tmp_path)
-    assert data_use(case.at_rate(case.case.host.error + 3), table) == (  # type: ignore[union-attr]
+    assert data_use(case.with_host("error", case.case.host.error + 3), table) == (  # type: ignore[union-attr]
         "the rates of the host and of the SCI differ by more than 2 %"
     )
 
@@ -91,7 +91,7 @@ def test_settings_with_which_data_decide_what_an_sci_does(tmp_path: Path, settin
     case = covered(write_echo(tmp_path, 1.0, ("MOV   @SCICCR,#0x07", setting)))
     scene = case.free_scene(TimesDigest(), keep_values=False)
     assert not acts_on_data(scene)  # the SCI does not receive yet
-    scene.advance(scene.start + case.phases.first_start())
+    scene.advance(scene.start + case.phases.first_start)
     assert acts_on_data(scene) == acts
 
 

@@ -158,10 +158,9 @@ def test_only_a_case_with_rounds_and_frames_can_have_rounds_between_two_cycles(t
 @compiled_only
 def test_the_run_of_the_worst_value_has_it(whole: TableProof):
     worst = whole.worst()["latency"]
-    starts, rounds, until = worst.run()
-    covered = worst.part.covered
-    end = Fraction(until, covered.phases.ticks_per_second)
-    scene = covered.scene_of(covered.phases.inputs_at(starts, rounds), end, covered.case.seed)
+    run, covered = worst.run(), worst.part.covered
+    end = Fraction(run.until, covered.phases.ticks_per_second)
+    scene = covered.scene_of(covered.phases.inputs_at(run.starts, run.rounds), end, covered.case.seed)
     (again,) = (verdict for verdict in scene.run().budgets if verdict.name == "latency")
     assert again.worst == worst.verdict.worst
 
@@ -173,7 +172,7 @@ def test_a_limit_that_only_a_slow_clock_of_the_controller_breaks(job: Job, whole
     made = prove(job, Fraction(500))
     worst = made.worst()["transfer"]
     assert (made.has_failed, made.words()["transfer"], worst.verdict.worst) == (True, "broken", 26.271)
-    assert [part.changes for part in made.parts] == [("controller.ppm=-500.0", "controller.first=0.011994 s")]
+    assert [part.changes for part in made.parts] == [("controller.ppm=-500", "controller.first=0.011994 s")]
 
 
 @compiled_only
@@ -198,7 +197,7 @@ def test_each_clock_of_the_controller_has_a_table_with_the_same_first_starts(
 
     monkeypatch.setattr(table_proof, "PairMaker", Maker)
     proof = prove(job, Fraction(16))
-    assert [part.changes[0] for part in proof.parts] == [f"controller.ppm={ppm}" for ppm in (-16.0, 0.0, 16.0)]
+    assert [part.changes[0] for part in proof.parts] == [f"controller.ppm={ppm}" for ppm in (-16, 0, 16)]
     assert [covered.phases.first_starts() for covered in made] == [{"frames": 9_000_000, "rounds": 12_000_000}] * 3
     assert [float(covered.case.controller.ppm) for covered in made if covered.case.controller] == [-16, 0, 16]
     assert (proof.words()["latency"], proof.data_use) == (PROVEN, "")

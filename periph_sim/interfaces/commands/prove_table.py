@@ -146,11 +146,11 @@ def _write_witnesses(made: TableProof, job: Job, folder: Path) -> list[Path]:
     files = []
     for worst in made.worst().values():
         if worst.verdict.passed or worst.verdict.broken:
-            covered, (starts, rounds, until) = worst.part.covered, worst.run()
-            end = Fraction(until, covered.phases.ticks_per_second)
-            run = (covered.phases.inputs_at(starts, rounds), end, covered.case.seed)
-            changes = (*job.changes, *worst.part.changes)
-            files.append(witness_file(covered, worst.verdict, run, Path(job.file), changes, folder))
+            covered, run = worst.part.covered, worst.run()
+            end = Fraction(run.until, covered.phases.ticks_per_second)
+            inputs = (covered.phases.inputs_at(run.starts, run.rounds), end, covered.case.seed)
+            changes = (*job.changes, *run.changes)
+            files.append(witness_file(covered, worst.verdict, inputs, Path(job.file), changes, folder))
     return files
 
 

@@ -217,7 +217,6 @@ def _finish(coverage: Coverage) -> None:
     """
     if not coverage.found.held and not coverage.found.failed:
         return
-    ran_before = coverage.case.runs
     coverer = Coverer(coverage.case, coverage.case.case.seed, coverage.found)
     windows = windows_of(coverage.found, coverer.status, coverage.choice.bounds)
     # The phases of frames and rounds repeat in each period, so a window can continue from the last phase to the first.
@@ -228,4 +227,3 @@ def _finish(coverage: Coverage) -> None:
         at = worst.verdict.at_s
         if len(worst.phases) > 1 and at is not None:
             Coverer(coverage.case, worst.seed, coverage.found).repeat(coverage.case.phases.phase_at(worst.phases, at))
-    coverage.found.runs += coverage.case.runs - ran_before

@@ -13,9 +13,10 @@ from typing import NamedTuple
 from ...proof import coverage_file, proof_file
 from ...proof.cover import Worst
 from ...proof.coverage_file import Choice
-from ...proof.proof_file import ProofFile, ProvenBudget
+from ...proof.proof_file import ProofFile
 from ...proof.saved_paths import coverage_path, proof_path
 from ...proof.stretch import CoveredCase, Job
+from ...proof.table_proof import WorstRun
 from ...scene.scene import Scene
 from ...timing.verdict import Verdict
 from .coverage_line import phase_text
@@ -67,7 +68,7 @@ def _at_phases(case: Path, choice: Choice, worst: Worst) -> SavedWorst:
     return _again(scene, worst.verdict.name, text, {"phases": list(worst.phases), "seed": worst.seed})
 
 
-def _of_proof(case: Path, file: ProofFile, proven: ProvenBudget) -> SavedWorst:
+def _of_proof(case: Path, file: ProofFile, proven: WorstRun) -> SavedWorst:
     """Return the worst occurrence of a budget in the runs of a proof."""
     covered = CoveredCase(Job(str(case), proven.changes))
     end = Fraction(proven.until, file.ticks_per_second)

@@ -94,9 +94,9 @@ def _of_table(made: TableProof) -> CoveredResult:
     case, words, worst, runs = made.covered, made.words(), made.worst(), {}
     for name, one in worst.items():
         one.verdict.proven = words[name] == PROVEN
-        starts, rounds, until = one.run()
-        texts = _texts(case, case.phases.inputs_at(starts, rounds))
-        runs[name] = tuple(texts), Fraction(until, case.phases.ticks_per_second)
+        run = one.run()
+        texts = _texts(case, case.phases.inputs_at(run.starts, run.rounds))
+        runs[name] = tuple(texts), Fraction(run.until, case.phases.ticks_per_second)
     outcome = made.parts[-1].table.outcomes[-1]
     verdicts = {name: one.verdict for name, one in worst.items()}
     result = _result(case, verdicts, outcome.failures, outcome.reasons, runs)

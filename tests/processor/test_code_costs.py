@@ -106,7 +106,7 @@ def test_a_pass_of_two_reads_takes_its_length_whether_one_or_both_are_made():
 
 
 def test_a_stall_and_a_service_routine_lengthen_a_pass():
-    """The first read waits 3 cycles for a write; in the second pass comes a routine of 10 + 20 + 8 cycles."""
+    """The first read waits 3 cycles for a write; a routine of 10 + 20 + 8 cycles interrupts the second pass."""
     bench = Bench([(40, 0, 0), (200, 1, -1)], skip_polls=False)
     bench.cpu.program.handle("SEQ1INT", lambda: bench.cpu.compute(20))
     bench.enable()

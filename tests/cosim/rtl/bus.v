@@ -1,5 +1,6 @@
-// An I2C bus with its pull-up and a serial line. On the bus: our part (dsp), a model of the test bench (other), two
-// masters and a slave in logic. Whoever writes 0 pulls, whoever writes 1 lets go. A clock runs while `run` is 1.
+// An I2C bus with pull-ups and a serial line. On the bus: the simulated part (dsp), a model of the test bench (other),
+// two masters and a slave in logic. A party that writes 0 drives the line low, and one that writes 1 releases it. The
+// clock runs while `run` is 1.
 `timescale 1ns / 1ps
 module bus;
     reg [31:0] period_ps = 20000;  // of the clock: 50 MHz

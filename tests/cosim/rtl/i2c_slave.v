@@ -1,5 +1,5 @@
-// An I2C slave of 256 bytes with a pointer: writes set the pointer and store, reads go on from it.
-// After each byte it holds SCL low for STRETCH cycles of clk. Byte n is 0x10 + n at first.
+// An I2C slave of 256 bytes with a pointer: a write sets the pointer and stores data, a read starts at the pointer.
+// After each byte it holds SCL low for STRETCH cycles of clk. The initial value of byte n is 0x10 + n.
 `timescale 1ns / 1ps
 module i2c_slave #(
     parameter [6:0] ADDRESS = 7'h68,

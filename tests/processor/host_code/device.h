@@ -1,4 +1,4 @@
-/* What the tests need of a register header, laid out as headers for this chip are: a word is an `unsigned int`. */
+/* The registers that the tests need, with the layout of headers for this chip: a word is an `unsigned int`. */
 #ifndef DEVICE_H
 #define DEVICE_H
 typedef unsigned int Uint16;

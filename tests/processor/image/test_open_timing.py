@@ -82,7 +82,7 @@ def floats(code: str, **options: Value) -> tuple[list[float], list[str], int | N
     ],
 )  # fmt: skip
 def test_open_fpu_delay_slot(code: str, register: int, result: float, before: float):
-    """The setting only changes the values read in a delay slot, and no cycle."""
+    """The setting only affects the values that are read in a delay slot, and no cycles."""
     at_once, notes, ended = floats(code)
     late, notes_late, ended_late = floats(code, fpu_delay_slot="old_value")
     assert (at_once[register], late[register]) == (result, before)

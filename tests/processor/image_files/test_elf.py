@@ -93,7 +93,7 @@ def read(*parts: Part, loads: list[Load], symbols: Sequence[Row] = ()) -> Image:
 
 
 def test_sections_have_the_load_address_of_their_segment():
-    """The second section is loaded after the first one, in words; other kinds of segment load nothing."""
+    """The second section is loaded directly after the first one; segments of another kind load nothing."""
     parts = (TEXT, CONST, BSS, BYTE, EMPTY, DEBUG, Part(".note", NOTE, 0, 0, b"d"), Part(".debug_y", NOTE, 0, 0, b"e"))
     found = read(*parts, loads=[Load(0x1000, ".text", ".const", kind=4), Load(0x320000, ".text", ".const")])
     assert (found.kind, found.entry, found.tool_version, found.initial) == ("ELF", 0x8001, 0, ())

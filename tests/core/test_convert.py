@@ -104,8 +104,8 @@ def mistakes(kind: Any, value: object) -> list[Mistake]:
 )
 def test_valid_values_are_converted(kind: Any, value: object, made: object):
     found: list[Mistake] = []
-    came = converter_of(kind)(value, (), found)
-    assert (came, type(came), found) == (made, type(made), [])
+    converted = converter_of(kind)(value, (), found)
+    assert (converted, type(converted), found) == (made, type(made), [])
 
 
 @pytest.mark.parametrize(
@@ -151,10 +151,10 @@ def test_invalid_values_are_refused(kind: Any, value: object, what: str):
 def test_every_mistake_of_a_table_is_reported_with_its_place():
     with pytest.raises(BadTable) as caught:
         convert(Outer, {"inner": [{"length": 3}, {"length": "1 s", "times": 6}], "lo": 1, "high": "x"})
-    told = [(one.place, one.what, one.found) for one in caught.value.mistakes[1:-1]]
+    reported = [(one.place, one.what, one.found) for one in caught.value.mistakes[1:-1]]
     missing, *_, unknown = caught.value.mistakes
     assert (missing.place, missing.is_missing) == (("from",), True)
-    assert told == [
+    assert reported == [
         (("inner", 0, "length"), '3 has no unit; write for instance "3 ms"', 3),
         (("inner", 1, "times"), "expected 1 to 5", 6),
         (("high",), "expected a whole number", "x"),

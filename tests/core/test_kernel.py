@@ -11,16 +11,16 @@ from periph_sim.core.kernel import CHIP, CPU, PADS, PROBE, STORM, TIMER, Kernel,
 
 
 @given(st.lists(st.tuples(st.integers(0, 50), st.sampled_from([TIMER, PADS, CHIP, CPU, PROBE])), max_size=40))
-def test_events_run_in_the_order_of_their_keys(asked):
+def test_events_run_in_the_order_of_their_keys(scheduled):
     kernel, log = Kernel(), []
-    for number, (time, phase) in enumerate(asked):
+    for number, (time, phase) in enumerate(scheduled):
         kernel.call_at(time, lambda key=(time, phase, number): log.append(key), phase)
     kernel.run_until(50)
-    assert log == sorted(log) and len(log) == len(asked) == kernel.events
+    assert log == sorted(log) and len(log) == len(scheduled) == kernel.events
     assert TIMER < PADS < CHIP < CPU < PROBE
 
 
-class Diary(Agent):
+class EventLog(Agent):
     """Agent that logs the time and the tag of each of its events."""
 
     def __init__(self, kernel: Kernel) -> None:
@@ -33,53 +33,53 @@ class Diary(Agent):
 
 def test_an_agent_acts_with_the_tags_that_it_scheduled():
     kernel = Kernel()
-    diary = Diary(kernel)
+    log = EventLog(kernel)
     for time, tag in ((7, 1), (3, 2), (7, 0)):
-        kernel.schedule(time, diary, tag)
+        kernel.schedule(time, log, tag)
     kernel.run_until(10)
-    assert diary.notes == [(3, 2), (7, 1), (7, 0)]
+    assert log.notes == [(3, 2), (7, 1), (7, 0)]
 
 
 def test_cancelling_an_event_that_has_run_cancels_no_other():
     kernel = Kernel()
-    diary = Diary(kernel)
-    kept = kernel.schedule(3, diary)
-    kernel.schedule(5, diary, 1)
+    log = EventLog(kernel)
+    kept = kernel.schedule(3, log)
+    kernel.schedule(5, log, 1)
     kernel.run_until(4)
     kernel.cancel(kept)
     kernel.run_until(10)
-    assert diary.notes == [(3, 0), (5, 1)]
+    assert log.notes == [(3, 0), (5, 1)]
 
 
 @given(st.lists(st.tuples(st.integers(0, 20), st.booleans()), max_size=30))
-def test_all_events_but_the_cancelled_ones_run(asked):
+def test_all_events_but_the_cancelled_ones_run(scheduled):
     kernel = Kernel()
-    diary = Diary(kernel)
-    events = [kernel.schedule(time, diary, number) for number, (time, _) in enumerate(asked)]
-    for event, (_, taken_back) in zip(events, asked, strict=True):
-        if taken_back:
+    log = EventLog(kernel)
+    events = [kernel.schedule(time, log, number) for number, (time, _) in enumerate(scheduled)]
+    for event, (_, cancelled) in zip(events, scheduled, strict=True):
+        if cancelled:
             kernel.cancel(event)
     kernel.run_until(20)
-    left = [(time, number) for number, (time, taken_back) in enumerate(asked) if not taken_back]
-    assert diary.notes == sorted(left) and kernel.events == len(left)
+    left = [(time, number) for number, (time, cancelled) in enumerate(scheduled) if not cancelled]
+    assert log.notes == sorted(left) and kernel.events == len(left)
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.booleans(), st.integers(0, 5)), min_size=1, max_size=30))
-def test_a_rescheduled_event_is_ordered_like_a_new_one(asked):
+def test_a_rescheduled_event_is_ordered_like_a_new_one(scheduled):
     """One run reschedules a single event, whether it has run or was cancelled; the other schedules new events."""
     logs = []
-    for renews in (True, False):
-        kernel, log = Kernel(), Diary(Kernel())
+    for reschedules in (True, False):
+        kernel, log = Kernel(), EventLog(Kernel())
         log.kernel = kernel
         event = kernel.schedule(0, log, -1, CHIP)
         kernel.run_until(0)
-        for number, (delay, taken_back, run) in enumerate(asked):
-            if renews:
+        for number, (delay, cancelled, run) in enumerate(scheduled):
+            if reschedules:
                 kernel.reschedule(event, kernel.now + delay, number)
             else:
                 event = kernel.schedule(kernel.now + delay, log, number, CHIP)
             kernel.schedule(kernel.now + delay, log, 100 + number, TIMER if number % 2 else CHIP)
-            if taken_back:
+            if cancelled:
                 kernel.cancel(event)
             kernel.run_until(kernel.now + max(run, delay))
         logs.append(log.notes)
@@ -88,11 +88,11 @@ def test_a_rescheduled_event_is_ordered_like_a_new_one(asked):
 
 def test_a_queued_event_cannot_be_rescheduled():
     kernel = Kernel()
-    event = kernel.schedule(3, Diary(kernel))
-    with pytest.raises(ValueError, match=r"Diary: cannot schedule at t=5 an event that is already queued for t=3"):
+    event = kernel.schedule(3, EventLog(kernel))
+    with pytest.raises(ValueError, match=r"EventLog: cannot schedule at t=5 an event that is already queued for t=3"):
         kernel.reschedule(event, 5, 0)
     kernel.run_until(4)
-    with pytest.raises(ValueError, match=r"Diary: cannot schedule an event at t=3, because it is already t=4"):
+    with pytest.raises(ValueError, match=r"EventLog: cannot schedule an event at t=3, because it is already t=4"):
         kernel.reschedule(event, 3, 0)
     kernel.reschedule(event, 4, 0)
     assert kernel.next_time() == 4
@@ -118,33 +118,33 @@ class Party(SampledParty):
 class Line(Settleable):
     """Wire that logs its negated rank when it settles and then requests samples for its parties."""
 
-    def __init__(self, kernel: Kernel, log: list[int], tells: list[Party]) -> None:
+    def __init__(self, kernel: Kernel, log: list[int], parties: list[Party]) -> None:
         self.rank = kernel.rank()
-        self.kernel, self.log, self.tells = kernel, log, tells
+        self.kernel, self.log, self.parties = kernel, log, parties
 
     def settle(self) -> None:
         self.log.append(-self.rank)
-        for party in self.tells:
+        for party in self.parties:
             self.kernel.request_sample(party)
 
 
 @given(st.permutations(range(4)), st.permutations(range(5)), st.permutations(range(6)), st.integers(0, 4))
-def test_wires_settle_by_rank_and_parties_are_notified_by_rank_then_in_settling_order(lines, asked, told, split):
-    """`asked`: parties that request their sample themselves; `told`: parties for which a settling wire requests it."""
+def test_wires_settle_by_rank_and_parties_are_notified_by_rank_then_in_settling_order(lines, own, requested, split):
+    """`own`: parties that request their own sample; `requested`: parties for which a settling wire requests it."""
     kernel, log = Kernel(), []
     parties = [Party(kernel, log) for _ in range(11)]
-    wires = [Line(kernel, log, [parties[5 + one] for one in told[i::4]]) for i in range(4)]
+    wires = [Line(kernel, log, [parties[5 + one] for one in requested[i::4]]) for i in range(4)]
     late = parties[:split]
-    parties[5].then = [parties[i] for i in asked if parties[i] in late]
+    parties[5].then = [parties[i] for i in own if parties[i] in late]
     for one in lines:
         kernel.moved(wires[one])
-    for one in asked:
+    for one in own:
         if parties[one] not in late:
             kernel.request_sample(parties[one])
             kernel.request_sample(parties[one])
     kernel.settle()
     by_rank = [party.rank for party in parties[split:5]]
-    by_wires = [5 + one + 1 for i in range(4) for one in told[i::4]]
+    by_wires = [5 + one + 1 for i in range(4) for one in requested[i::4]]
     assert log == [-12, -13, -14, -15, *by_rank, *by_wires, *(party.rank for party in late)]
 
 
@@ -203,59 +203,59 @@ def test_endless_events_within_one_tick_end_the_run():
         kernel.run_until(2)
 
 
-class Waits(Agent):
+class NestedAgent(Agent):
     """Agent that runs a nested loop inside its event until its next event, at `until`, releases it.
 
-    came: for each nested loop, whether the wait was over at its end, and the time.
+    results: for each nested loop, whether the wait was over at its end, and the time.
     """
 
     def __init__(self, kernel: Kernel, until: int) -> None:
         self.kernel, self.until = kernel, until
-        self.came: list[tuple[bool, int]] = []
+        self.results: list[tuple[bool, int]] = []
 
     def act(self, tag: int) -> None:
         if tag:
             self.kernel.released = True
         else:
             self.kernel.schedule(self.until, self, 1)
-            helped = self.kernel.run_nested(self)
-            self.came.append((helped, self.kernel.now))
+            released = self.kernel.run_nested(self)
+            self.results.append((released, self.kernel.now))
 
 
 def test_a_nested_loop_runs_due_events_until_it_is_released():
     kernel = Kernel()
-    waits, diary = Waits(kernel, 20), Diary(kernel)
+    waits, log = NestedAgent(kernel, 20), EventLog(kernel)
     kernel.schedule(10, waits)
     for time in (12, 20, 25):
-        kernel.schedule(time, diary, time)
+        kernel.schedule(time, log, time)
     kernel.run_until(30)
-    assert waits.came == [(True, 20)] and diary.notes == [(12, 12), (20, 20), (25, 25)]
+    assert waits.results == [(True, 20)] and log.notes == [(12, 12), (20, 20), (25, 25)]
     assert kernel.events == 5 and kernel.nested_owner is None
 
 
 def test_a_nested_loop_leaves_events_after_the_end_of_the_run():
     kernel = Kernel()
-    waits = Waits(kernel, 40)
+    waits = NestedAgent(kernel, 40)
     kernel.schedule(10, waits)
     kernel.run_until(30)
-    assert waits.came == [(False, 10)] and kernel.next_time() == 40 and kernel.now == 30
+    assert waits.results == [(False, 10)] and kernel.next_time() == 40 and kernel.now == 30
 
 
 def test_a_nested_loop_does_not_call_plain_functions():
     kernel, log = Kernel(), []
-    waits = Waits(kernel, 20)
+    waits = NestedAgent(kernel, 20)
     kernel.schedule(10, waits)
     kernel.call_at(15, lambda: log.append(kernel.nested_owner))
     kernel.run_until(30)
-    assert waits.came == [(False, 10)] and log == [None]
+    assert waits.results == [(False, 10)] and log == [None]
 
 
 def test_events_of_one_tick_keep_their_order_in_nested_and_outer_loops():
     """Wires settle between phases even if the nested loop runs the events of one phase and the outer loop the next."""
     kernel = Kernel()
-    waits, diary = Waits(kernel, 10), Diary(kernel)
+    waits, log = NestedAgent(kernel, 10), EventLog(kernel)
     for tag, phase in ((3, PROBE), (2, CPU), (1, PADS)):
-        kernel.schedule(10, diary, tag, phase)
+        kernel.schedule(10, log, tag, phase)
     kernel.schedule(10, waits)
     kernel.run_until(10)
-    assert diary.notes == [(10, 1), (10, 2), (10, 3)] and waits.came == [(True, 10)]
+    assert log.notes == [(10, 1), (10, 2), (10, 3)] and waits.results == [(True, 10)]

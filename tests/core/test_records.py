@@ -8,11 +8,11 @@ from periph_sim.core.records import Kind, Listener, Record, Recorder, RecordSink
 
 
 def test_a_sink_receives_records_of_its_kinds_only():
-    recorder, told = Recorder(), list[Record]()
-    recorder.subscribe([Kind.BUS], told.append)
+    recorder, received = Recorder(), list[Record]()
+    recorder.subscribe([Kind.BUS], received.append)
     recorder.emit(5, Kind.BUS, "controller", "START")
     recorder.emit(6, Kind.NOTE, "dsp", "duty")
-    assert [(r.tick, r.what) for r in told] == [(5, "START")]
+    assert [(r.tick, r.what) for r in received] == [(5, "START")]
     assert recorder.wants(Kind.BUS) and not recorder.wants(Kind.NOTE)
 
 
@@ -22,7 +22,7 @@ def test_a_subscription_to_some_subjects_excludes_the_others():
     recorder.subscribe([Kind.EDGE], print, only={Kind.EDGE: {"TX"}})
     assert [recorder.wants(Kind.EDGE, wire) for wire in ("SCL", "TX", "SDA")] == [True, True, False]
     assert recorder.wants(Kind.EDGE)
-    assert recorder.wants(Kind.BUS, "whoever")
+    assert recorder.wants(Kind.BUS, "controller")
     assert recorder.subjects(Kind.EDGE) == {"SCL", "TX"} and recorder.subjects(Kind.BUS) is None
 
 
@@ -42,24 +42,24 @@ def test_records_are_made_as_objects_for_callbacks_only():
     assert [recorder.makes_records(kind) for kind in (Kind.ACCESS, Kind.WAIT, Kind.SPAN)] == [False, True, False]
 
 
-class Asked(Listener):
+class TagListener(Listener):
     """Listener that stores the topics for which a tag is requested, and the times of its records."""
 
     def __init__(self) -> None:
-        self.asked: list[tuple[Kind, str, str]] = []
-        self.heard: list[int] = []
+        self.topics: list[tuple[Kind, str, str]] = []
+        self.times: list[int] = []
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        self.asked.append((kind, where, what))
+        self.topics.append((kind, where, what))
         return 1
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        self.heard.append(tick)
+        self.times.append(tick)
 
 
 @pytest.mark.parametrize("topics_first", [True, False])
 def test_a_listener_that_names_its_topics_is_asked_for_no_other_tags(topics_first: bool):
-    recorder, one = Recorder(), Asked()
+    recorder, one = Recorder(), TagListener()
 
     def topics() -> None:
         for kind, where, what in ((Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY"), (Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB")):
@@ -73,5 +73,5 @@ def test_a_listener_that_names_its_topics_is_asked_for_no_other_tags(topics_firs
     recorder.emit(1, Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY", 1)
     recorder.emit(2, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1)
     recorder.emit(3, Kind.BUS, "controller", "STOP")
-    assert one.asked == [(Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY"), (Kind.BUS, "controller", "STOP")]
-    assert one.heard == [1, 3]
+    assert one.topics == [(Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY"), (Kind.BUS, "controller", "STOP")]
+    assert one.times == [1, 3]

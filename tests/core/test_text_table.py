@@ -99,7 +99,7 @@ def test_a_place_in_brackets_is_not_broken():
 def test_no_word_is_lost_and_no_line_is_longer_than_80(rows):
     lines = text_table(("one", "the other", "count"), rows, right=(2,))
     assert max(map(len, lines)) <= 80
-    told = "".join(lines[2:]).replace(" ", "")
+    letters = "".join(lines[2:]).replace(" ", "")
     given_letters = "".join(part for row in rows for part in row).replace(" ", "")
-    assert sorted(told.replace("─", "")) == sorted(given_letters)
+    assert sorted(letters.replace("─", "")) == sorted(given_letters)
     assert all(row[2] in "\n".join(lines) for row in rows)

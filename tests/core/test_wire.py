@@ -18,9 +18,9 @@ from periph_sim.core.wire import MAX_PARTIES, Wire
 def wired(*who: str):
     kernel = Kernel()
     wire = Wire(kernel, "SDA", Recorder())
-    told: list[tuple[int, int]] = []
-    watch([wire], lambda tick, level: told.append((tick, level)))
-    return kernel, wire, [wire.attach(name) for name in who], told
+    changes: list[tuple[int, int]] = []
+    watch([wire], lambda tick, level: changes.append((tick, level)))
+    return kernel, wire, [wire.attach(name) for name in who], changes
 
 
 def recorded(*kinds: Kind) -> tuple[Kernel, Recorder, Wire, list[Record]]:
@@ -31,30 +31,30 @@ def recorded(*kinds: Kind) -> tuple[Kernel, Recorder, Wire, list[Record]]:
 
 
 def test_the_line_rises_when_its_last_party_releases_it():
-    kernel, wire, (a, b), told = wired("controller", "target")
+    kernel, wire, (a, b), changes = wired("controller", "target")
     for tick, pin, level in ((1, a, 0), (2, b, 0), (3, a, 1), (4, b, 1)):
         kernel.call_at(tick, lambda pin=pin, level=level: pin.drive(level))
     kernel.run_until(3)
     assert wire.held_by() == ["target"] and wire.level == 0
     kernel.run_until(4)
-    assert told == [(1, 0), (4, 1)]
+    assert changes == [(1, 0), (4, 1)]
 
 
 def test_a_pulse_within_one_tick_is_not_reported():
-    kernel, _, (a,), told = wired("a")
+    kernel, _, (a,), changes = wired("a")
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(1, lambda: a.drive(1))
     kernel.run_until(1)
-    assert told == []
+    assert changes == []
 
 
 def test_a_hand_over_within_one_tick_has_no_glitch():
-    kernel, wire, (a, b), told = wired("a", "b")
+    kernel, wire, (a, b), changes = wired("a", "b")
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(2, lambda: a.drive(1))
     kernel.call_at(2, lambda: b.drive(0))
     kernel.run_until(2)
-    assert told == [(1, 0)] and wire.held_by() == ["b"]
+    assert changes == [(1, 0)] and wire.held_by() == ["b"]
 
 
 def test_a_wire_has_its_old_level_until_the_end_of_the_phase_in_which_it_changes():
@@ -73,13 +73,13 @@ def test_wires_that_change_in_one_tick_are_reported_together(first: int):
     recorder.subscribe([Kind.EDGE, Kind.NOTE], seen.append)
     wires = [Wire(kernel, name, recorder) for name in ("SCL", "SDA")]
     pins = [wire.attach("master") for wire in wires]
-    told: list[tuple[int, int]] = []
-    watch(wires, lambda tick, levels: (told.append((tick, levels)), recorder.emit(tick, Kind.NOTE, "it", "heard")))
+    changes: list[tuple[int, int]] = []
+    watch(wires, lambda tick, levels: (changes.append((tick, levels)), recorder.emit(tick, Kind.NOTE, "it", "heard")))
     for pin in (pins[first], pins[1 - first]):
         kernel.call_at(1, partial(pin.drive, 0))
     kernel.call_at(2, partial(pins[1].drive, 1))
     kernel.run_until(2)
-    assert told == [(1, 0b00), (2, 0b10)]
+    assert changes == [(1, 0b00), (2, 0b10)]
     scl, sda, heard, rise, then = seen
     assert [edge.where for edge in (scl, sda, rise)] == ["SCL", "SDA", "SDA"]
     assert (heard.cause, then.cause) == (scl.number, rise.number), (
@@ -89,8 +89,8 @@ def test_wires_that_change_in_one_tick_are_reported_together(first: int):
 
 def test_a_line_of_a_sampler_follows_a_wire_or_is_set_directly():
     kernel, wire, (a,), _ = wired("a")
-    told: list[tuple[int, int]] = []
-    sampler = Sampler(kernel, wire.recorder, lambda tick, levels: told.append((tick, levels)), 0b111)
+    changes: list[tuple[int, int]] = []
+    sampler = Sampler(kernel, wire.recorder, lambda tick, levels: changes.append((tick, levels)), 0b111)
     sampler.listen(0, wire)
     moves = [
         (1, lambda: (a.drive(0), sampler.put(2, 0))),  # the wire, and a line that is set directly
@@ -104,7 +104,7 @@ def test_a_line_of_a_sampler_follows_a_wire_or_is_set_directly():
     for tick, move in moves:
         kernel.call_at(tick, move)
     kernel.run_until(9)
-    assert told == [(1, 0b010), (3, 0b011), (5, 0b011), (7, 0b001)]
+    assert changes == [(1, 0b010), (3, 0b011), (5, 0b011), (7, 0b001)]
 
 
 def test_watching_nothing_is_a_mistake():
@@ -148,16 +148,16 @@ def test_a_change_made_by_a_watcher_is_reported_after_all_watchers_received_its_
 
 def test_a_sampler_that_leaves_a_wire_during_a_notification_is_still_notified():
     kernel, wire, (a,), _ = wired("a")
-    told: list[tuple[int, int]] = []
+    changes: list[tuple[int, int]] = []
     watch([wire], lambda tick, level: leaving.put(0, level))
     watch([wire], lambda tick, level: None)
-    leaving = watch([wire], lambda tick, levels: told.append((tick, levels)))
+    leaving = watch([wire], lambda tick, levels: changes.append((tick, levels)))
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(2, lambda: a.drive(1))
     kernel.run_until(1)
-    assert told == [(1, 0)]
+    assert changes == [(1, 0)]
     kernel.run_until(2)
-    assert told == [(1, 0), (2, 1)]
+    assert changes == [(1, 0), (2, 1)]
 
 
 def test_wires_that_do_not_settle_end_the_run():
@@ -172,14 +172,14 @@ def test_wires_that_do_not_settle_end_the_run():
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 1)), max_size=60))
 def test_the_level_is_the_and_of_all_parties(moves):
-    kernel, wire, pins, told = wired("a", "b", "c", "d")
+    kernel, wire, pins, changes = wired("a", "b", "c", "d")
     held = [1] * 4
     for tick, (who, level) in enumerate(moves, 1):
         kernel.call_at(tick, lambda who=who, level=level: pins[who].drive(level))
         kernel.run_until(tick)
         held[who] = level
         assert wire.level == min(held)
-    levels = [level for _, level in told]
+    levels = [level for _, level in changes]
     assert all(a != b for a, b in pairwise(levels))
 
 

@@ -56,21 +56,21 @@ class Party(Protocol):
 # ---- decoding -----------------------------------------------------------------------------------
 
 
-class Said(NamedTuple):
+class BusItem(NamedTuple):
     """One item of a transfer. start: cycle of the START or STOP, or of the first SCL rise of the byte."""
 
     start: int
     text: str
 
 
-def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Said]:
+def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[BusItem]:
     """Return the items of the transfers in the edges.
 
     bits: the number of bits in a data byte.
     free: True if no address byte follows a START.
     """
     level = [1, 1]
-    said: list[Said] = []
+    items: list[BusItem] = []
     got: list[int] = []  # bits of the current byte, including the acknowledge bit
     rises: list[int] = []
     active, first = False, False
@@ -79,7 +79,7 @@ def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Sai
         if got:
             got.pop()
         if got:
-            said.append(Said(rises[0], "~" + "".join(map(str, got))))
+            items.append(BusItem(rises[0], "~" + "".join(map(str, got))))
         got.clear()
         rises.clear()
 
@@ -89,7 +89,7 @@ def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Sai
             if active:
                 cut()
             active = first = not new
-            said.append(Said(time, "P" if new else "S"))
+            items.append(BusItem(time, "P" if new else "S"))
         elif line == SCL and new and active:
             got.append(level[SDA])
             rises.append(time)
@@ -99,11 +99,11 @@ def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Sai
                 *data, answer = got
                 value = int("".join(map(str, data)), 2)
                 text = f"{value >> 1:02x}{'R' if value & 1 else 'W'}" if address else f"{value:02x}"
-                said += [Said(rises[0], text), Said(rises[-1], "N" if answer else "A")]
+                items += [BusItem(rises[0], text), BusItem(rises[-1], "N" if answer else "A")]
                 first = False
                 got.clear()
                 rises.clear()
-    return said
+    return items
 
 
 # ---- partners -------------------------------------------------------------------------------------
@@ -255,7 +255,7 @@ class Foreign:
     low, high: the times of its own clock.
     lost: True once it has released SDA and sampled 0 while sending.
     got: the bytes that it has read.
-    heard: the acknowledge bits for the bytes that it has sent.
+    acknowledges: the acknowledge bits for the bytes that it has sent.
 
     It does not check whether the bus is free.
     """
@@ -264,7 +264,7 @@ class Foreign:
         self.low, self.high = low, high
         self.lost = False
         self.got: list[int] = []
-        self.heard = ""
+        self.acknowledges = ""
         self.done = False
         self.out = RELEASED
         self._level = [1, 1]
@@ -335,7 +335,7 @@ class Foreign:
                     if level != value >> bit & 1:
                         self.lost, self.out = True, RELEASED
                         return
-                self.heard += "NA"[not (yield from self._clock(1))]
+                self.acknowledges += "NA"[not (yield from self._clock(1))]
 
     def _start(self) -> Generator[Wait, None, None]:
         if self._level[SCL] == 0:
@@ -371,7 +371,7 @@ class Foreign:
         return level
 
 
-class Hand:
+class LineDriver:
     """A driver on each line that the test pulls and releases, now or later."""
 
     def __init__(self) -> None:
@@ -404,9 +404,9 @@ class Bus(DiagramRig):
 
     def __init__(self, chips: Iterable[I2c], partners: Iterable[Party] = (), rise: int = 0) -> None:
         self.now = 0
-        self.hand = Hand()
+        self.driver = LineDriver()
         self.chips = list(chips)
-        self.partners: list[Party] = [self.hand, *partners]
+        self.partners: list[Party] = [self.driver, *partners]
         self.rise_time = rise
         self.level = [1, 1]
         self.edges: list[Edge] = []
@@ -478,19 +478,19 @@ class Bus(DiagramRig):
             nearest = self.nearest()
             if nearest > limit:
                 raise AssertionError(
-                    f"the condition did not hold within {cycles} cycles; transfers until then: {self.said()}"
+                    f"the condition did not hold within {cycles} cycles; transfers until then: {self.decoded()}"
                 )
             self.run_until(nearest)
         return self.now
 
-    def said(self, since: int = 0, **how: bool | int) -> str:
+    def decoded(self, since: int = 0, **how: bool | int) -> str:
         """Return the decoded transfers from cycle `since` on, as text."""
         return " ".join(s.text for s in decode(self.edges, **how) if s.start >= since)  # type: ignore[arg-type]
 
-    def said_after(self, cycles: int) -> str:
+    def decoded_after(self, cycles: int) -> str:
         """Run for some cycles and return all decoded transfers as text."""
         self.run(cycles)
-        return self.said()
+        return self.decoded()
 
     def times(self, line: int, level: int, since: int = 0) -> list[int]:
         return [e.time for e in self.edges if e.line == line and e.level == level and e.time >= since]
@@ -503,18 +503,18 @@ class Bus(DiagramRig):
         return self.times(line, level)[-1]
 
     def pull(self, line: int) -> None:
-        self.hand.put(line, 0)
+        self.driver.put(line, 0)
         self.settle()
 
-    def let_go(self, line: int) -> None:
-        self.hand.put(line, 1)
+    def release(self, line: int) -> None:
+        self.driver.put(line, 1)
         self.settle()
 
     def pulse(self, line: int, cycles: int) -> None:
         """Pull a line low for a number of cycles."""
         self.pull(line)
         self.run(cycles)
-        self.let_go(line)
+        self.release(line)
 
 
 # ---- firmware -------------------------------------------------------------------------------------
@@ -648,10 +648,10 @@ class Bench(Bus):
         """Run until the module has sent its STOP and the bus is free, and return the cycle."""
         return self.until(lambda: self.level == [1, 1] and not self.flag("BB") and not self.flag("STP"), cycles)
 
-    def said_at_stop(self, since: int = 0, **how: bool | int) -> str:
+    def decoded_at_stop(self, since: int = 0, **how: bool | int) -> str:
         """Run until the module has sent its STOP, and return the decoded transfers as text."""
         self.stopped()
-        return self.said(since, **how)
+        return self.decoded(since, **how)
 
     def stop(self) -> None:
         """Set STP and run until the STOP was sent."""
@@ -673,7 +673,7 @@ class Bench(Bus):
         since = self.now
         self.send(data, extra, bc)
         self.stopped()
-        return self.said(since, bits=bc or 8)
+        return self.decoded(since, bits=bc or 8)
 
     def read_all(self, count: int, extra: str = "STP", bc: int = 0) -> list[int]:
         self.w("I2CCNT", count)
@@ -707,7 +707,7 @@ class Bench(Bus):
         """Pull (0) or release (1) SCL or SDA, write a register, or set a bit of I2CMDR."""
         self.run_until(now)
         if signal in LINES:
-            (self.let_go if level else self.pull)(LINES.index(signal))
+            (self.release if level else self.pull)(LINES.index(signal))
         elif signal in OFFSET:
             self.w(signal, level)
         elif level:

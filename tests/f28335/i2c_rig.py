@@ -3,7 +3,7 @@
 The methods of the master end at the edges that the rules mention: `rise` and `fall` end exactly
 in the cycle of that edge, so the eighth `clock` of a byte ends at fall 8. A data bit changes a
 quarter of a bit after SCL fell. The master releases SCL half a bit after it fell, and waits if
-the chip still pulls it. `said` returns the decoded transfers; `drive`, `run_until` and `show`
+the chip still pulls it. `decoded` returns the decoded transfers; `drive`, `run_until` and `show`
 are those of timing diagrams (tests/waves.py).
 """
 
@@ -123,7 +123,7 @@ class Rig(Bus):
         self.chip.notes.clear()
         return texts
 
-    def asked(self, wait: int = 0) -> int:
+    def requested(self, wait: int = 0) -> int:
         """Wait for a number of cycles, then return the interrupt lines that were requested since the last call."""
         self.wait(wait)
         lines = 0
@@ -132,7 +132,7 @@ class Rig(Bus):
         self.interrupts.clear()
         return lines
 
-    def supply(self, *data: int) -> None:
+    def write_each(self, *data: int) -> None:
         """Write each byte to I2CDXR, 40 cycles apart; XRDY must be 1 for each."""
         for byte in data:
             assert self.flag("XRDY"), f"XRDY is 0 before {byte:#x} is written to I2CDXR"
@@ -169,7 +169,7 @@ class Rig(Bus):
         """Release (1) or pull (0) a line, or both lines at once, as the master."""
         for line, level in ((SCL, scl), (SDA, sda)):
             if level is not None:
-                self.hand.put(line, level)
+                self.driver.put(line, level)
         self.settle()
 
     def wait(self, cycles: int) -> None:
@@ -247,15 +247,15 @@ class Rig(Bus):
         self.send_bits(value, bits)
         return self.acked()
 
-    def take_bits(self, bits: int = 8) -> int:
+    def read_bits(self, bits: int = 8) -> int:
         value = 0
         for _ in range(bits):
             value = value << 1 | self.clock(1)
         return value
 
-    def take(self, ack: bool = True, bits: int = 8) -> int:
+    def read_byte(self, ack: bool = True, bits: int = 8) -> int:
         """Read a byte from the chip, and send ACK or NACK. Ends at fall 9."""
-        value = self.take_bits(bits)
+        value = self.read_bits(bits)
         self.clock(0 if ack else 1)
         return value
 
@@ -270,17 +270,17 @@ class Rig(Bus):
         for byte in data:
             self.send(byte)
 
-    def deliver(self, byte: int) -> int:
+    def send_and_read(self, byte: int) -> int:
         """Send a byte, which the chip must acknowledge, and return what its CPU reads."""
         assert self.send(byte), f"{byte:#x} is not acknowledged"
         return self.read("I2CDRR")
 
-    def give(self, byte: int, ack: bool = True) -> int:
+    def write_and_read_byte(self, byte: int, ack: bool = True) -> int:
         """Write I2CDXR as the chip's CPU, and return the byte that the master reads and answers with ACK or NACK."""
         self.write("I2CDXR", byte)
-        return self.take(ack)
+        return self.read_byte(ack)
 
-    def ask(self) -> None:
+    def begin_read(self) -> None:
         """Send a START and the address byte of a read without its ninth pulse."""
         self.start()
         self.send_bits(OWN << 1 | 1)
@@ -299,7 +299,7 @@ class Rig(Bus):
         if signal == "SCL":
             self.put(scl=level)
         elif signal == "SDA":
-            self.hand.put_later(now + self.hold, SDA, level)
+            self.driver.put_later(now + self.hold, SDA, level)
         elif signal == "LINES":
             self.put(level & 1, level >> 1)
         elif signal == "DXR":

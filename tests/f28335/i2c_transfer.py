@@ -35,26 +35,26 @@ def play(table: str, rig: Rig) -> Diagram:
     reading = False
     for n, word in enumerate(words, 2):
         reading = word.endswith("R") or (reading and word not in ("S", "P"))
-        heard, ack = _said(rig, word, reading)
+        played, ack = _play_word(rig, word, reading)
         rig.wait(SOON)
         for (way, name, *_), cell in ((row, row[n]) for row in rows[1:]):
             if way == ">" and cell != "-":
-                _act(rig, name, cell)
+                _access(rig, name, cell)
         rig.wait(SOON)
         for row, out in zip(rows, came, strict=True):
             way, name = row[:2]
             shown = row[n]
             if name == "bus":
-                shown = heard
+                shown = played
             elif way == "<":
-                now = ack if name == "ack" else _shown(rig, name)
+                now = ack if name == "ack" else _flag(rig, name)
                 shown = "." if last.get(name) == now and now != "-" else now
                 last[name] = now
             out.append(shown)
     return _columns(came)
 
 
-def _said(rig: Rig, word: str, reading: bool) -> tuple[str, str]:
+def _play_word(rig: Rig, word: str, reading: bool) -> tuple[str, str]:
     """Play a word; return the word as it occurred and the chip's acknowledge bit, "-" if the master sent no byte."""
     if word == "S":
         rig.start() if not rig.flag("BB") else rig.restart()
@@ -66,13 +66,13 @@ def _said(rig: Rig, word: str, reading: bool) -> tuple[str, str]:
         return word, str(int(not rig.send(int(word[:-1], 16) << 1 | (word[-1] == "R"))))
     elif reading:
         nack = word.endswith("N")
-        return f"{rig.take(ack=not nack):02x}{'N' * nack}", "-"
+        return f"{rig.read_byte(ack=not nack):02x}{'N' * nack}", "-"
     else:
         return word, str(int(not rig.send(int(word, 16))))
     return word, "-"
 
 
-def _act(rig: Rig, name: str, cell: str) -> None:
+def _access(rig: Rig, name: str, cell: str) -> None:
     if name == "read":
         rig.read(f"I2C{cell}")
     elif name == "clear":
@@ -81,7 +81,7 @@ def _act(rig: Rig, name: str, cell: str) -> None:
         rig.write(f"I2C{name}", int(cell, 16))
 
 
-def _shown(rig: Rig, name: str) -> str:
+def _flag(rig: Rig, name: str) -> str:
     if name == "hold":
         return str(int(rig.stretching))
     return f"{rig.peek('I2CISRC') & 7}" if name == "asks" else str(rig.flag(name))

@@ -13,7 +13,7 @@ class ModuleRig(DiagramRig):
     """Rig of a serial module.
 
     register_of: field -> its register. A register with a single value is named like a register.
-    asked: interrupt line -> the times of its requests.
+    requested: interrupt line -> the times of its requests.
     edges: (time, outputs) of each change of the outputs.
     """
 
@@ -23,21 +23,21 @@ class ModuleRig(DiagramRig):
     def __init__(self, chip: Chip) -> None:
         self.chip = chip
         self.now = 0
-        self.asked: dict[str, list[int]] = {"RXINT": [], "TXINT": []}
+        self.requested: dict[str, list[int]] = {"RXINT": [], "TXINT": []}
         self.edges: list[tuple[int, int]] = []
         self._out = chip.out
         chip.gate(0, True)
-        self.look()
+        self.observe()
 
-    def look(self) -> None:
+    def observe(self) -> None:
         """Record changes of the outputs and requests, as the owner of a chip does after each call."""
         chip = self.chip
         if chip.out != self._out:
             self._out = chip.out
             self.edges.append((self.now, chip.out))
-        for i, line in enumerate(self.asked):
+        for i, line in enumerate(self.requested):
             if chip.requests >> i & 1:
-                self.asked[line].append(self.now)
+                self.requested[line].append(self.now)
         chip.requests = 0
 
     def run_until(self, time: int) -> None:
@@ -47,7 +47,7 @@ class ModuleRig(DiagramRig):
             assert due >= self.now, f"the chip requests a wake-up at {due}, but it is already {self.now}"
             self.now = due
             chip.wake(due)
-            self.look()
+            self.observe()
             assert chip.next_wake > due, f"the chip requests another wake-up in cycle {due}"
         self.now = max(self.now, time)
 
@@ -66,7 +66,7 @@ class ModuleRig(DiagramRig):
             self.write(signal, level)
         else:
             self.set(**{signal: level})
-        self.look()
+        self.observe()
 
     def received(self, wait: float = 0, mask: int = 0xFFFF) -> list[int]:
         """Wait for a number of bits, then read all words in the receive FIFO, and return them masked, oldest first."""
@@ -83,12 +83,12 @@ class ModuleRig(DiagramRig):
         for value in values:
             self.run_until(self.now)
             self.chip.write(self.now, self.chip.MAP[register].offset, value)
-            self.look()
+            self.observe()
 
     def read(self, register: str) -> int:
         self.run_until(self.now)
         value = self.chip.read(self.now, self.chip.MAP[register].offset)
-        self.look()
+        self.observe()
         return value
 
     def peek(self, register: str) -> int:
@@ -120,7 +120,7 @@ class ModuleRig(DiagramRig):
         return {name: self.get(name) for name in names}
 
     def count(self, line: str) -> int:
-        return len(self.asked[line])
+        return len(self.requested[line])
 
     def notes(self, code: str = "duty") -> list[str]:
         return [note.text for note in self.chip.notes if note.code == code]

@@ -89,7 +89,7 @@ class _Line(ModuleRig):
         if level != self.level:
             self.level = level
             self.chip.pins(now, level)
-            self.look()
+            self.observe()
         self.run_until(now)
 
 
@@ -157,9 +157,9 @@ class SciRig(_Line):
     def reset(self) -> None:
         """Apply a system reset, and enable the clock of the module again."""
         self.chip.reset(self.now)
-        self.look()
+        self.observe()
         self.chip.gate(self.now, True)
-        self.look()
+        self.observe()
 
     def set_brr(self, brr: int) -> None:
         """Write both halves of BRR and update `sciclk` and `bit`. The phase of the ticks is unknown afterwards."""
@@ -196,12 +196,12 @@ class SciRig(_Line):
         """Send levels on RXD, one per SCICLK, and return the start of the first."""
         return self.send(text, bit=self.sciclk)
 
-    def heard(self, text: str) -> Self:
+    def with_rxd(self, text: str) -> Self:
         """Send levels on RXD, and return the rig."""
         self.send(text)
         return self
 
-    def take(self, text: str) -> int:
+    def send_and_read(self, text: str) -> int:
         """Send levels on RXD, and read SCIRXBUF."""
         self.send(text)
         return self.read("SCIRXBUF")

@@ -92,7 +92,7 @@ class SpiRig(ModuleRig):
             bit = 1 << PINS.index(name)
             self.levels = self.levels & ~bit | level * bit
         self.chip.pins(now, self.levels)
-        self.look()
+        self.observe()
 
     def show(self, signal: str) -> int:
         """Return an output, whether it is driven ("SIMO?"), a number of requests (RXINT, TXINT), a field or a register.
@@ -103,8 +103,8 @@ class SpiRig(ModuleRig):
             return self.chip.out >> PINS.index(signal) & 1
         if signal.endswith("?"):
             return self.chip.driven >> PINS.index(signal[:-1]) & 1
-        if signal in self.asked:
-            return len(self.asked[signal]) % 16
+        if signal in self.requested:
+            return len(self.requested[signal]) % 16
         return self.get(signal) & 0xF
 
     def send(self, word: int, bits: float) -> None:
@@ -171,7 +171,7 @@ class Wires:
             for rig in self.rigs:
                 rig.now = self.now
                 rig.chip.pins(self.now, levels)
-                rig.look()
+                rig.observe()
 
     def run_until(self, time: int) -> None:
         while (due := min(rig.chip.next_wake for rig in self.rigs)) <= time:
@@ -180,7 +180,7 @@ class Wires:
                 rig.now = due
                 if rig.chip.next_wake == due:
                     rig.chip.wake(due)
-                    rig.look()
+                    rig.observe()
             self.settle()
         self.now = time
         for rig in self.rigs:

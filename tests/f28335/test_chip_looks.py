@@ -127,10 +127,10 @@ def test_i2c_read_of_a_byte_changes_outputs_only_except_at_flags():
     """The five exceptions are BB, SDIR with AAS, XRDY, NACK and SCD."""
     rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
-    rig.ask()
+    rig.begin_read()
     rig.write("I2CDXR", 0x35)
     rig.acked()
-    rig.take(ack=False)
+    rig.read_byte(ack=False)
     rig.stop()
     rig.wait(100)
     assert said == expected((0, 52, 0, 0), (35, 5))
@@ -158,14 +158,14 @@ def test_i2c_applies_overdue_changes_before_a_change_of_its_pins(late: int):
     assert rig.chip.peek(due + late, 2) >> 12 & 1, "BB"
 
 
-@pytest.mark.parametrize("look", ["peek", "read"])
-def test_i2c_register_includes_changes_that_are_due(look: str):
+@pytest.mark.parametrize("access", ["peek", "read"])
+def test_i2c_register_includes_changes_that_are_due(access: str):
     """The filter delays a START; the module is not woken when this is due."""
     rig = Rig(noise_filter_cycles=1).begin()
     rig.wait(100)
     rig.chip.pins(rig.now, 0b01)
     due = rig.chip.next_wake
-    shown = [getattr(rig.chip, look)(now, OFFSET["I2CSTR"]) & BB for now in (due - 1, due)]
+    shown = [getattr(rig.chip, access)(now, OFFSET["I2CSTR"]) & BB for now in (due - 1, due)]
     assert shown == [0, BB]
 
 

@@ -49,10 +49,10 @@ def written_by_master(rig: Rig) -> None:
 
 
 def read_by_master(rig: Rig) -> None:
-    rig.ask()
+    rig.begin_read()
     rig.write("I2CDXR", 0x5A)
     rig.acked()
-    rig.take(ack=False)
+    rig.read_byte(ack=False)
     rig.stop()
 
 
@@ -78,7 +78,7 @@ def test_a_source_requests_if_its_flag_was_1(scenario: Callable[[Rig], None], so
     rig.write("I2CIER", 1 << source)
     rig.wait(20)
     scenario(rig)
-    assert rig.asked(20) == (INT1 if rig.seen >> source & 1 else 0)
+    assert rig.requested(20) == (INT1 if rig.seen >> source & 1 else 0)
     assert rig.peek("I2CISRC") & 7 == (source + 1 if rig.seen >> source & 1 else 0)
 
 
@@ -102,7 +102,7 @@ def test_without_an_enable_no_flag_requests(scenario: Callable[[Rig], None]):
     rig.begin()
     scenario(rig)
     rig.wait(20)
-    assert rig.seen and rig.asked() == 0 and rig.peek("I2CISRC") == 0
+    assert rig.seen and rig.requested() == 0 and rig.peek("I2CISRC") == 0
 
 
 # I2C: I2CINT2A ----------------------------------------------------------------------------------------
@@ -119,7 +119,7 @@ def test_a_fifo_requests_if_its_flag_is_1_and_enabled(tx: int, rx: int, tx_level
     rig.stop()
     tx_flag, rx_flag = (rig.peek(name) >> 7 & 1 for name in ("I2CFFTX", "I2CFFRX"))
     assert (tx_flag, rx_flag) == (1, rx_level <= 3), "the count 0 of the transmit FIFO is not above any level"
-    assert rig.asked() == (INT2 if tx or (rx and rx_flag) else 0)
+    assert rig.requested() == (INT2 if tx or (rx and rx_flag) else 0)
 
 
 # SCI --------------------------------------------------------------------------------------------------
@@ -136,7 +136,7 @@ LINES = {
 @pytest.mark.parametrize("text", LINES.values(), ids=LINES)
 @pytest.mark.parametrize("enable", ["", "RXBKINTENA", "RXERRINTENA"])
 def test_a_receive_source_requests_if_its_flag_rose_and_is_enabled(text: str, enable: str):
-    rig = SciRig(**({enable: 1} if enable else {})).heard(text)
+    rig = SciRig(**({enable: 1} if enable else {})).with_rxd(text)
     flags = rig.flags("RXRDY", "BRKDT", "RXERROR")
     rises = {"": 0, "RXBKINTENA": flags["RXRDY"] + flags["BRKDT"], "RXERRINTENA": flags["RXERROR"]}
     assert bool(rig.count("RXINT")) == bool(rises[enable])
@@ -160,7 +160,7 @@ def test_without_txffiena_the_transmit_fifo_requests_nothing(words: int):
 @pytest.mark.parametrize("level", [1, 2, 16])
 def test_a_receive_fifo_requests_if_its_flag_is_1_and_enabled(level: int):
     for enabled in (0, 1):
-        rig = SciRig(fifo=True, RXFFIL=level, RXFFIENA=enabled).heard(frame(0x11) + frame(0x22) + "1")
+        rig = SciRig(fifo=True, RXFFIL=level, RXFFIENA=enabled).with_rxd(frame(0x11) + frame(0x22) + "1")
         assert rig.get("RXFFINT") == (level <= 2)
         assert bool(rig.count("RXINT")) == bool(enabled and level <= 2)
 

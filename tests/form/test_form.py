@@ -81,10 +81,10 @@ def found_first(package: Path, monkeypatch) -> None:
 
 
 def test_the_error_of_a_library_that_does_not_load_names_the_remedies(found_first):
-    with pytest.raises(form.DoesNotLoad) as told:
+    with pytest.raises(form.DoesNotLoad) as error:
         importlib.import_module("package.core.one")
-    assert str(told.value).startswith("the compiled core does not load here: ")
-    assert str(told.value).endswith("; `make core` builds it anew, PERIPH_SIM_FORM=interpreted leaves it alone")
+    assert str(error.value).startswith("the compiled core does not load here: ")
+    assert str(error.value).endswith("; `make core` builds it anew, PERIPH_SIM_FORM=interpreted leaves it alone")
 
 
 def test_a_hook_that_rewrites_assertions_of_all_modules_leaves_compiled_ones(package: Path, found_first, monkeypatch):

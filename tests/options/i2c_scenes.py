@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from periph_sim.core.options import Value
-from tests.f28335.i2c_bus import SCL, SDA, Foreign, Hand, Party, Target
+from tests.f28335.i2c_bus import SCL, SDA, Foreign, LineDriver, Party, Target
 from tests.options.unit import START, Scene
 
 ON = "PCLKCR0=10 +10 I2CPSC=e I2CCLKL=a I2CCLKH=5 I2COAR=50 I2CSAR=50 "
@@ -33,7 +33,7 @@ def hand(*moves: tuple[int, int, int]) -> Callable[[], Party]:
     """Return a partner that pulls (0) and releases (1) wires: (cycles after START, line, level)."""
 
     def make() -> Party:
-        party = Hand()
+        party = LineDriver()
         for time, line, level in moves:
             party.put_later(START + time, line, level)
         return party

@@ -88,8 +88,8 @@ def run(project: pytest.Pytester, *options: str) -> pytest.RunResult:
 
 
 def found(project: pytest.Pytester, file: str = "build/rules.json") -> dict[str, tuple[list[str], str]]:
-    told = json.loads((project.path / file).read_text(encoding="utf-8"))
-    return {node.partition("::")[2]: (entry["rules"], entry["outcome"]) for node, entry in told.items()}
+    outcomes = json.loads((project.path / file).read_text(encoding="utf-8"))
+    return {node.partition("::")[2]: (entry["rules"], entry["outcome"]) for node, entry in outcomes.items()}
 
 
 @pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["one process", "xdist"])

@@ -36,12 +36,12 @@ def test_there_is_no_gap_if_all_rules_are_proved():
 def test_a_rule_whose_tests_did_not_pass_is_a_gap_with_its_text():
     named = proved() | {"I2C-111": Named({}, {"test_i2c.py::test_bcm": "skipped"})}
     del named["SCI-001"]
-    told = gaps(named, not_modelled())
-    assert told[0] == (
+    found = gaps(named, not_modelled())
+    assert found[0] == (
         "I2C-111 is proved by no test, and docs/fidelity.md gives no reason; test_i2c.py::test_bcm skipped: "
-        "BCM moves XRDY and XSMT of a slave-transmitter, and nothing else"
+        "BCM changes XRDY and XSMT of a slave-transmitter, and nothing else"
     )
-    assert told[1].startswith("SCI-001 is proved by no test") and len(told) == 2
+    assert found[1].startswith("SCI-001 is proved by no test") and len(found) == 2
 
 
 def test_a_rule_listed_as_not_modelled_must_exist_and_must_not_be_proved():

@@ -61,7 +61,7 @@ class TimerRig(DiagramRig):
     def __init__(self, chip: CpuTimer) -> None:
         self.chip = chip
         self.now = 0
-        self.asked = 0
+        self.requested = 0
 
     def drive(self, now: int, signal: str, level: int) -> None:
         self.now = now
@@ -79,11 +79,11 @@ class TimerRig(DiagramRig):
         self.chip.requests = 0
         if self.chip.next_wake <= time:
             self.chip.wake(time)
-        self.asked = self.chip.requests
+        self.requested = self.chip.requests
 
     def show(self, signal: str) -> int:
         if signal == "TINT":
-            return self.asked
+            return self.requested
         if signal == "TIF":
             return self.chip.peek(self.now, TCR.offset) >> 15
         return count(self.chip, self.now) if signal == "TIM" else prescale(self.chip, self.now)
@@ -262,18 +262,18 @@ def stepped(prd: int, tddr: int, cycles: int) -> list[tuple[int, int, int]]:
     return out
 
 
-@given(prd=st.integers(0, 12), tddr=st.integers(0, 5), looks=st.sets(st.integers(1, 150), max_size=6))
-def test_the_computed_count_equals_counting_step_by_step(prd, tddr, looks):
+@given(prd=st.integers(0, 12), tddr=st.integers(0, 5), reads=st.sets(st.integers(1, 150), max_size=6))
+def test_the_computed_count_equals_counting_step_by_step(prd, tddr, reads):
     chip = started(prd, tddr, TIE)
-    asked, track = 0, stepped(prd, tddr, 151)
+    requested, track = 0, stepped(prd, tddr, 151)
     for now in range(151):
         if chip.next_wake == now:
             chip.wake(now)
-            asked += chip.requests
+            requested += chip.requests
             chip.requests = 0
-        if now in looks:
-            assert (count(chip, now), prescale(chip, now), asked) == track[now]
-    assert asked == track[150][2]
+        if now in reads:
+            assert (count(chip, now), prescale(chip, now), requested) == track[now]
+    assert requested == track[150][2]
 
 
 @given(prd=st.integers(0, 9), tddr=st.integers(0, 3), tie=st.sampled_from([0, TIE]), clear=st.integers(1, 60))

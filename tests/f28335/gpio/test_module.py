@@ -797,7 +797,7 @@ def test_gpioinenclk_does_not_touch_a_peripheral_s_pin_that_is_an_input_too(qsel
 
 
 @pytest.mark.parametrize(
-    "ask",
+    "call",
     [
         lambda gpio, now: gpio.peripheral_level(now, "SDAA"),
         lambda gpio, now: gpio.gate(now, False),
@@ -809,13 +809,13 @@ def test_gpioinenclk_does_not_touch_a_peripheral_s_pin_that_is_an_input_too(qsel
     ],
     ids=["peripheral_level", "gate", "xint_levels", "watch_xints", "wake", "peek", "write"],
 )
-def test_a_change_that_is_due_is_reported_by_the_next_call(ask):
+def test_a_change_that_is_due_is_reported_by_the_next_call(call):
     """The owner did not wake the module at the third sample."""
     rig = given_to((32, 1), select={32: 1})
     rig.gpio.changed.clear()
     rig.pin(rig.now, 32, 0, exact=False)
     assert rig.gpio.changed == [] and rig.gpio.next_wake < rig.now + 10
-    ask(rig.gpio, rig.now + 10)
+    call(rig.gpio, rig.now + 10)
     assert rig.gpio.changed == [("SDAA", 0)]
     assert rig.gpio.peripheral_level(rig.now + 10, "SDAA") == 0
 
@@ -960,7 +960,7 @@ def test_nothing_readable_changes_without_an_input_or_a_due_wake_up(steps):
     lazy, eager = Rig(), Rig()
     for rig in (lazy, eager):
         rig.gpio.watch_xints(0, 0x7F)  # so that edges of pins of modules are reported, too
-    heard = 0
+    ignored = 0
     shown = visible(eager)
     for gap, action in [*steps, (60, True)]:
         end = lazy.now + gap
@@ -972,15 +972,15 @@ def test_nothing_readable_changes_without_an_input_or_a_due_wake_up(steps):
             eager.gpio.wake(cycle)
             eager.now = cycle
             now_shown = visible(eager)
-            changed = (now_shown ^ shown) & ~heard
+            changed = (now_shown ^ shown) & ~ignored
             assert due or cycle == end or not changed, f"cycle {cycle}: {changed:#x}"
-            shown, heard = now_shown, unannounced(eager.gpio)
+            shown, ignored = now_shown, unreported(eager.gpio)
         lazy.run_until(end)
         assert visible(lazy) == shown
         assert (lazy.gpio.driven_high, lazy.gpio.driven) == (eager.gpio.driven_high, eager.gpio.driven)
 
 
-def unannounced(gpio: Gpio) -> int:
+def unreported(gpio: Gpio) -> int:
     """Return the pins whose edges the owner passes to a module; DAT may follow a cycle later unreported."""
     selected = {0, 32}  # the pins that XINT1 to XINT7 select after reset
     sources = [gpio.source(signal) for signal in INPUTS]

@@ -19,8 +19,8 @@ def test_every_signal_that_is_not_modelled_has_a_module():
 def test_pins_of_one_unmodelled_module_are_joined_to_one_note():
     """The pins are those that TI's InitXintf assigns to XINTF, and two of McBSP."""
     notes = [note_for(pin, 3) for pin in range(28, 88) if FUNCTIONS[pin][2].startswith("X")]
-    told = joined((0, note) for note in [*notes, note_for(20, 2), note_for(21, 2)] if note is not None)
-    texts = [note.text for _, note in told]
+    notes_seen = joined((0, note) for note in [*notes, note_for(20, 2), note_for(21, 2)] if note is not None)
+    texts = [note.text for _, note in notes_seen]
     assert len(notes) > 42 and len(texts) == 2
     assert texts[0].startswith(
         "pins are assigned to XINTF, which is not modelled, and stay high-impedance: GPIO28 (XZCS6), "

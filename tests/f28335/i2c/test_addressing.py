@@ -133,9 +133,9 @@ def test_start_and_stop_bits_have_no_effect_in_a_slave(bits):
 @pytest.mark.parametrize("trx", [0, TRX])
 def test_the_direction_of_a_slave_is_that_of_the_master_for_any_trx(trx):
     rig = addressed(mode=trx)
-    assert rig.deliver(0x5A) == 0x5A
+    assert rig.send_and_read(0x5A) == 0x5A
     assert rig.restart(OWN << 1 | 1)
-    assert rig.give(0xA6, ack=False) == 0xA6
+    assert rig.write_and_read_byte(0xA6, ack=False) == 0xA6
 
 
 @pytest.mark.rule("I2C-065", "I2C-091")
@@ -169,7 +169,7 @@ def test_the_general_call_is_answered(mode, oar):
     rig = Rig().begin(mode, oar)
     assert rig.address(0)
     assert rig.status(AAS | AD0 | SDIR) == AAS | AD0
-    assert rig.deliver(0x06) == 0x06
+    assert rig.send_and_read(0x06) == 0x06
 
 
 @pytest.mark.rule("I2C-226")
@@ -189,7 +189,7 @@ def test_a_10_bit_slave_acknowledges_both_address_bytes():
     assert rig.flag("AAS") == 0
     assert rig.send(TEN & 0xFF)
     assert rig.status(AAS | SDIR | RRDY) == AAS
-    assert rig.deliver(0x42) == 0x42
+    assert rig.send_and_read(0x42) == 0x42
 
 
 @pytest.mark.rule("I2C-083", "I2C-084")
@@ -216,7 +216,7 @@ def test_10_bit_direction_changes_with_a_repeated_start_and_only_the_first_byte(
     assert rig.flag("AAS")
     assert rig.send(FIRST_BYTE | 1)
     assert rig.flag("SDIR")
-    assert rig.give(0xC3, ack=False) == 0xC3
+    assert rig.write_and_read_byte(0xC3, ack=False) == 0xC3
 
 
 @pytest.mark.rule("I2C-086")
@@ -274,7 +274,7 @@ def test_free_data_format_the_first_byte_is_data_for_any_value(oar):
     assert rig.send(0xB1)
     assert rig.status(AAS | RRDY | SDIR) == AAS | RRDY
     assert rig.read("I2CDRR") == 0xB1
-    assert rig.deliver(0x00) == 0x00
+    assert rig.send_and_read(0x00) == 0x00
     assert rig.flag("AD0") == 0
 
 
@@ -283,8 +283,8 @@ def test_free_data_format_with_trx_the_slave_sends_from_the_first_bit_on():
     rig = Rig().begin(FDF | TRX)
     rig.write("I2CDXR", 0x9D)
     rig.start()
-    assert rig.take() == 0x9D
-    assert rig.give(0x3E, ack=False) == 0x3E
+    assert rig.read_byte() == 0x9D
+    assert rig.write_and_read_byte(0x3E, ack=False) == 0x3E
     rig.stop()
     assert rig.status(RRDY | BB) == 0
 

@@ -35,8 +35,8 @@ def test_the_module_loses_to_a_lower_address_in_the_bit_that_differs():
     b.until(lambda: b.flag("AL"), SLOT // 2)
     assert b.flags("AL MST STP") == "AL"
     assert b.m.out & 1 << SDA
-    assert b.said_after(40 * SLOT) == "S 48W A 77 A P"
-    assert (b.target.got, b.foreign.lost, b.foreign.heard) == ([0x77], False, "AA")
+    assert b.decoded_after(40 * SLOT) == "S 48W A 77 A P"
+    assert (b.target.got, b.foreign.lost, b.foreign.acknowledges) == ([0x77], False, "AA")
     assert b.m.out == 0b11
 
 
@@ -44,7 +44,7 @@ def test_the_module_loses_to_a_lower_address_in_the_bit_that_differs():
 def test_the_module_wins_with_a_lower_address_and_is_undisturbed():
     b = Bench(Target(0x50), Foreign("S 58W 77 P", at=None))
     go(b, [0x12])
-    assert b.said_at_stop() == "S 50W A 12 A P"
+    assert b.decoded_at_stop() == "S 50W A 12 A P"
     assert b.foreign.lost and b.target.got == [0x12]
     assert b.flags("AL") == ""
 
@@ -60,7 +60,7 @@ def test_with_equal_addresses_the_lower_data_byte_wins(mine: int, other: int):
     b.w("I2CDXR", mine)
     b.run(35 * SLOT)
     assert b.target.got == [0x33, min(mine, other)]
-    assert b.said() == f"S 50W A 33 A {min(mine, other):02x} A P"
+    assert b.decoded() == f"S 50W A 33 A {min(mine, other):02x} A P"
     assert b.flag("AL") == (mine > other)
     assert b.foreign.lost == (other > mine)
 
@@ -78,7 +78,7 @@ def test_of_two_modules_the_lower_address_wins(first: int, second: int):
         b.mode("MST TRX STT STP", chip=chip)
     b.run(40 * SLOT)
     low = min(first, second)
-    assert b.said() == f"S {low:02x}W A {low ^ 0x55:02x} A P"
+    assert b.decoded() == f"S {low:02x}W A {low ^ 0x55:02x} A P"
     assert (b.flag("AL", b.m), b.flag("AL", b.s)) == (int(first > second), int(second > first))
 
 
@@ -86,7 +86,7 @@ def test_of_two_modules_the_lower_address_wins(first: int, second: int):
 def test_a_write_wins_over_a_read_of_the_same_address():
     b = Bench(Target(0x50, [0x99]), Foreign("S 50W 12 P", at=None))
     b.mode("MST STT STP", count=1)
-    assert b.said_after(40 * SLOT) == "S 50W A 12 A P"
+    assert b.decoded_after(40 * SLOT) == "S 50W A 12 A P"
     assert b.flags("AL MST") == "AL"
 
 
@@ -98,10 +98,10 @@ def test_the_loser_is_a_slave_receiver_and_answers_its_address(own: int):
     assert b.flags("SDIR MST") == ""
     b.run(40 * SLOT)
     if own == 0x48:
-        assert b.foreign.heard == "AA"
+        assert b.foreign.acknowledges == "AA"
         assert b.r("I2CDRR") == 0x77
     else:
-        assert b.foreign.heard == "NN"
+        assert b.foreign.acknowledges == "NN"
         assert not b.flag("RRDY")
 
 
@@ -109,7 +109,7 @@ def test_the_loser_is_a_slave_receiver_and_answers_its_address(own: int):
 def test_the_loser_of_a_data_byte_is_a_slave_that_is_not_addressed():
     b = Bench(Target(0x50), Foreign("S 50W 12 34 P", at=None), own=0x48)
     go(b, [0x13])
-    assert b.said_after(50 * SLOT) == "S 50W A 12 A 34 A P"
+    assert b.decoded_after(50 * SLOT) == "S 50W A 12 A 34 A P"
     assert b.flags("AL MST AAS RRDY") == "AL"
 
 
@@ -130,7 +130,7 @@ def test_a_start_command_during_a_foreign_transfer_loses_at_once():
     go(b, [1])
     b.until(lambda: b.flag("AL"), SLOT)
     assert b.flags("MST STP") == ""
-    assert b.said_after(40 * SLOT) == "S 48W A 77 A P"
+    assert b.decoded_after(40 * SLOT) == "S 48W A 77 A P"
 
 
 @rule("I2C-150", "I2C-176")
@@ -139,7 +139,7 @@ def test_a_start_command_of_the_loser_waits_for_the_stop_of_the_winner():
         Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P", at=None), options=with_(stt_while_busy="foreign_waits"))
     )
     go(b, [0x12])
-    assert b.said_after(60 * SLOT) == "S 48W A 77 A P S 50W A 12 A P"
+    assert b.decoded_after(60 * SLOT) == "S 48W A 77 A P S 50W A 12 A P"
 
 
 @rule("I2C-262", "I2C-263", "I2C-264")
@@ -189,7 +189,7 @@ def test_arbitration_continues_after_a_simultaneous_repeated_start(mine: int, ot
     assert not b.foreign.lost
     b.w("I2CSAR", mine)
     go(b, [0x66])
-    assert b.said_after(40 * SLOT) == f"S 50W A 33 A S {wins:02x}W A {0x66 if mine == wins else 0x77:02x} A P"
+    assert b.decoded_after(40 * SLOT) == f"S 50W A 33 A S {wins:02x}W A {0x66 if mine == wins else 0x77:02x} A P"
     assert (b.flag("AL"), b.foreign.lost) == (int(mine != wins), mine == wins)
 
 
@@ -204,7 +204,7 @@ def test_a_start_of_another_master_within_the_filter_delay_leads_to_arbitration(
     b.join(foreign)
     b.run(300 - 15)
     b.mode("MST TRX STT STP")
-    assert b.said_after(40 * SLOT) == ("S 50W A 12 A P" if joined else "S 58W A 77 A P")
+    assert b.decoded_after(40 * SLOT) == ("S 50W A 12 A P" if joined else "S 58W A 77 A P")
     assert (foreign.lost, bool(b.flag("AL"))) == (joined, not joined)
 
 
@@ -246,5 +246,5 @@ def test_the_transfer_of_the_winner_is_complete_with_any_clocks_and_start_times(
     assert all(not b.flag("MST", chip) for chip, *_ in jobs)
     for address, data in winners:
         text = f"S {address:02x}W A " + "".join(f"{d:02x} A " for d in data) + "P"
-        assert text in b.said()
+        assert text in b.decoded()
         assert data in (targets[address].got, targets[address].got[: len(data)], targets[address].got[-len(data) :])

@@ -26,7 +26,7 @@ def lows_and_highs(b: Bench) -> tuple[set[int], set[int]]:
 
 def one_byte(b: Bench) -> None:
     b.mode("MST TRX STT STP", count=1, data=0x5A)
-    assert b.said_at_stop() == "S 50W A 5a A P"
+    assert b.decoded_at_stop() == "S 50W A 5a A P"
 
 
 # ---- dividers -----------------------------------------------------------------------------------------
@@ -236,7 +236,7 @@ def test_a_fall_of_scl_made_by_another_device_starts_the_low_period(after: int):
     b.run(after)
     b.pulse(SCL, 60)
     assert b.edge(SCL, 1) == rise + after + LOW
-    assert b.said_at_stop() == "S 50W A 5a A P"
+    assert b.decoded_at_stop() == "S 50W A 5a A P"
 
 
 @rule("I2C-172", "I2C-173")
@@ -285,7 +285,7 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
     b.m.pins(b.now, RELEASED)
     assert b.edge(SCL, 0) == rise + HIGH
     assert b.drain(1) == [0xFF]
-    assert b.said_at_stop() == "S 50R A ff N P"
+    assert b.decoded_at_stop() == "S 50R A ff N P"
 
 
 @rule("I2C-171", "I2C-174")
@@ -301,7 +301,7 @@ def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
     b.run(8)
     b.m.pins(b.now, RELEASED & ~(1 << SCL))
     b.run(2 * LOW)
-    b.let_go(SCL)
+    b.release(SCL)
     assert b.edge(SCL, 0) == b.times(SCL, 1)[-1] + HIGH
     b.until(lambda: b.flag("NACK") or not b.flag("XSMT"))
     assert len(b.times(SCL, 1)) == 9
@@ -313,5 +313,5 @@ def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
 def test_master_codes_and_cbus_are_treated_as_foreign_addresses(first: str):
     b = Bench(Foreign(f"S {first} P"), own=0x50)
     b.run(20 * SLOT)
-    assert b.foreign.done and b.foreign.heard == "N"
+    assert b.foreign.done and b.foreign.acknowledges == "N"
     assert b.flags("AAS AD0 SDIR RRDY") == ""

@@ -20,7 +20,7 @@ def start(b: Bench, way: str, free: str = "") -> None:
 def finish(b: Bench, way: str) -> None:
     if way == "receiver":
         assert b.drain(1) == [0x3C]
-    assert b.said_at_stop() == ("S 50W A 5a A P" if way == "transmitter" else "S 50R A 3c N P")
+    assert b.decoded_at_stop() == ("S 50W A 5a A P" if way == "transmitter" else "S 50R A 3c N P")
 
 
 @rule("I2C-323")
@@ -76,7 +76,7 @@ def test_with_free_a_slave_continues_at_a_breakpoint():
     b.suspend(True)
     assert b.drain(2) == [0x12, 0x34]
     b.run(4 * SLOT)
-    assert b.foreign.heard == "AAA"
+    assert b.foreign.acknowledges == "AAA"
 
 
 @rule("I2C-326")

@@ -32,7 +32,7 @@ def flag_of(rig: Rig, which: str) -> int:
 def read_out(rig: Rig, number: int) -> list[int]:
     """Read a number of bytes as the master, with a NACK for the last one and a STOP, and return them."""
     assert rig.address(OWN, 1)
-    got = [rig.take(ack=n + 1 < number) for n in range(number)]
+    got = [rig.read_byte(ack=n + 1 < number) for n in range(number)]
     rig.stop()
     return got
 
@@ -74,7 +74,7 @@ def test_bytes_are_sent_and_received_in_order(data):
     while count(rig, "RX"):
         rig.write("I2CDXR", rig.read("I2CDRR"))
     rig.send(OWN << 1 | 1)
-    got = [rig.take(ack=n + 1 < len(data)) for n in range(len(data))]
+    got = [rig.read_byte(ack=n + 1 < len(data)) for n in range(len(data))]
     rig.stop()
     assert got == data
 
@@ -89,7 +89,7 @@ def test_without_fifo_mode_bytes_do_not_go_through_the_fifos():
     rig.receive(0x33, 0x44)
     assert rig.flag("RSFULL")
     assert count(rig, "RX") == 0
-    assert rig.asked() & INT2 == 0
+    assert rig.requested() & INT2 == 0
 
 
 @pytest.mark.rule("I2C-290", "I2C-291")
@@ -153,7 +153,7 @@ def test_txffint_is_set_when_the_count_falls_to_the_level(level):
     rig.address(OWN, 1)
     for last in (False, False, False, True):
         assert flag_of(rig, "TX") == (count(rig, "TX") <= level)
-        rig.take(ack=not last)
+        rig.read_byte(ack=not last)
     assert flag_of(rig, "TX")
 
 
@@ -261,7 +261,7 @@ def test_the_transmit_fifo_requests_on_the_second_line_if_enabled(enabled):
     rig = fifos(enabled)
     rig.wait(SOON)
     assert flag_of(rig, "TX")
-    assert rig.asked() == (INT2 if enabled else 0)
+    assert rig.requested() == (INT2 if enabled else 0)
     assert rig.peek("I2CISRC") == 0
 
 
@@ -270,31 +270,31 @@ def test_the_transmit_fifo_requests_on_the_second_line_if_enabled(enabled):
 def test_the_receive_fifo_requests_on_the_second_line_if_enabled(enabled):
     rig = fifos(0, enabled | 1)
     rig.address()
-    assert rig.asked() == 0
+    assert rig.requested() == 0
     rig.send(0x11)
     rig.wait(SOON)
     assert flag_of(rig, "RX")
-    assert rig.asked() == (INT2 if enabled else 0)
+    assert rig.requested() == (INT2 if enabled else 0)
 
 
 @pytest.mark.rule("I2C-305")
 def test_both_fifos_share_a_line_and_have_separate_flags():
     rig = fifos(FFIENA, FFIENA | 1)
-    assert rig.asked(SOON) == INT2
+    assert rig.requested(SOON) == INT2
     assert (flag_of(rig, "TX"), flag_of(rig, "RX")) == (1, 0)
     rig.write("I2CDXR", 0x55)
     rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | FFIENA)
     rig.receive(0x11)
-    assert rig.asked(SOON) == INT2
+    assert rig.requested(SOON) == INT2
     assert (flag_of(rig, "TX"), flag_of(rig, "RX")) == (flag_of(rig, "TX"), 1)
 
 
 @pytest.mark.rule("I2C-297", "I2C-304")
 def test_an_enable_set_after_its_flag_requests():
     rig = fifos()
-    assert rig.asked(SOON) == 0
+    assert rig.requested(SOON) == 0
     rig.write("I2CFFTX", FFEN | FFRST | FFIENA)
-    assert rig.asked(SOON) == INT2
+    assert rig.requested(SOON) == INT2
 
 
 def test_an_empty_receive_fifo_can_be_read():
@@ -311,7 +311,7 @@ def test_an_empty_transmit_fifo_holds_scl_until_a_byte_is_written():
     assert (rig.stretching, rig.flag("XSMT")) == (True, 0)
     rig.write("I2CDXR", 0x3A)
     assert rig.flag("XSMT")
-    assert rig.take(ack=False) == 0x3A
+    assert rig.read_byte(ack=False) == 0x3A
 
 
 @pytest.mark.rule("I2C-290")

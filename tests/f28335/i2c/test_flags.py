@@ -40,7 +40,7 @@ TEN = 0x2C5
 def read_with_nack(**options) -> Rig:
     """Return a rig whose master has read one byte and sent a NACK. SCL has just fallen; NACK and SDIR are 1."""
     rig = addressed(read=1, **options)
-    rig.give(0x5A, ack=False)
+    rig.write_and_read_byte(0x5A, ack=False)
     return rig
 
 
@@ -179,7 +179,7 @@ def test_a_slave_never_sets_ardy():
     rig.send(0x11)
     rig.read("I2CDRR")
     rig.restart(OWN << 1 | 1)
-    rig.give(0x22, ack=False)
+    rig.write_and_read_byte(0x22, ack=False)
     rig.stop()
     assert rig.status(ARDY | AL) == 0
 
@@ -344,9 +344,9 @@ def test_xrdy_and_xsmt_follow_dxr():
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
     rig.write("I2CDXR", 0x22)
     assert rig.status(XRDY | XSMT) == XSMT
-    assert rig.take() == 0x11
+    assert rig.read_byte() == 0x11
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
-    assert rig.take() == 0x22
+    assert rig.read_byte() == 0x22
     assert rig.status(XRDY | XSMT) == XRDY
 
 
@@ -395,7 +395,7 @@ def test_aas_in_free_data_format_is_set_by_the_first_byte():
 def test_7_bit_aas_falls_with_the_masters_nack():
     rig = addressed(read=1)
     rig.write("I2CDXR", 0x5A)
-    rig.take_bits(8)
+    rig.read_bits(8)
     assert rig.status(AAS | NACK) == AAS
     rig.clock(1)
     assert rig.status(AAS | NACK) == NACK
@@ -406,7 +406,7 @@ def test_10_bit_aas_falls_with_the_masters_nack():
     rig = ten_bit()
     rig.restart(0xF1 | TEN >> 8 << 1)
     rig.write("I2CDXR", 0x5A)
-    rig.take_bits(8)
+    rig.read_bits(8)
     assert rig.flag("AAS")
     rig.clock(1)
     assert rig.flag("AAS") == 0
@@ -474,10 +474,10 @@ def test_a_new_start_leaves_scd():
 @pytest.mark.rule("I2C-251", "I2C-255")
 def test_nack_is_set_by_a_nack_of_the_master_and_cleared_by_reading_code_2():
     rig = addressed(read=1, ier=IE_NACK)
-    rig.supply(0x5A, 0x5B)
-    rig.take(ack=True)
+    rig.write_each(0x5A, 0x5B)
+    rig.read_byte(ack=True)
     assert rig.flag("NACK") == 0
-    rig.take(ack=False)
+    rig.read_byte(ack=False)
     assert rig.flag("NACK")
     assert rig.read("I2CISRC", wait=20) == 2
     assert rig.flag("NACK") == 0
@@ -489,7 +489,7 @@ def test_nack_falls_when_a_later_byte_is_acknowledged():
     rig.restart()
     assert rig.flag("NACK")
     rig.send(OWN << 1 | 1)
-    rig.give(0x11, ack=True)
+    rig.write_and_read_byte(0x11, ack=True)
     assert rig.flag("NACK") == 0
 
 

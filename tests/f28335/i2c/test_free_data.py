@@ -20,7 +20,7 @@ def test_master_transmitter_sends_data_from_the_first_byte_on(data: list[int], s
     b = Bench(Target(free="r"))
     b.w("I2CSAR", sar)
     b.send(data, extra="STP FDF")
-    assert b.said_at_stop(free=True) == " ".join(["S", *(f"{d:02x} A" for d in data), "P"])
+    assert b.decoded_at_stop(free=True) == " ".join(["S", *(f"{d:02x} A" for d in data), "P"])
     assert b.target.got == data
     assert not b.flag("NACK")
 
@@ -29,7 +29,7 @@ def test_master_transmitter_sends_data_from_the_first_byte_on(data: list[int], s
 def test_master_receiver_receives_from_the_first_byte_on():
     b = Bench(Target(free="t", gives=[0x81, 0x42, 0x18]))
     assert b.read_all(3, extra="STP FDF") == [0x81, 0x42, 0x18]
-    assert b.said(free=True) == "S 81 A 42 A 18 N P"
+    assert b.decoded(free=True) == "S 81 A 42 A 18 N P"
 
 
 @rule("I2C-315", "I2C-316")
@@ -49,7 +49,7 @@ def test_a_slave_with_trx_0_takes_every_transfer_whatever_its_address(own: int):
     b.mode("FDF")
     assert b.drain(2) == [0x77, 0x12]
     b.run(4 * SLOT)
-    assert b.foreign.heard == "AA"
+    assert b.foreign.acknowledges == "AA"
 
 
 @rule("I2C-070", "I2C-316")
@@ -75,7 +75,7 @@ def test_two_modules_one_as_receiver_one_as_transmitter():
             got.append(b.r("I2CDRR"))
     b.stopped()
     assert got == [0x93, 0x94]
-    assert b.said(free=True) == "S 93 A 94 N P"
+    assert b.decoded(free=True) == "S 93 A 94 N P"
 
 
 @rule("I2C-320")
@@ -102,4 +102,4 @@ def test_the_format_is_that_of_the_write_that_sets_stt(before: str, behind: str,
     b.edge(SDA, 0)
     b.mode(f"FREE MST TRX STP {behind}")
     b.stopped()
-    assert b.said(free=bool(before)) == said
+    assert b.decoded(free=bool(before)) == said

@@ -53,7 +53,7 @@ def refuse(ie: int = 0) -> Rig:
     rig = addressed(read=1)
     rig.write("I2CDXR", 0x5A)
     rig.write("I2CIER", ie)
-    rig.take(ack=False)
+    rig.read_byte(ack=False)
     return rig
 
 
@@ -82,9 +82,9 @@ def receive(ie: int = 0) -> Rig:
 def need_data(ie: int = 0) -> Rig:
     """Return a rig with XRDY = 1 in a transfer that needs data."""
     rig = addressed(read=1)
-    rig.supply(0x11, 0x12)
+    rig.write_each(0x11, 0x12)
     rig.write("I2CIER", ie)
-    rig.take(ack=True)
+    rig.read_byte(ack=True)
     return rig
 
 
@@ -121,14 +121,14 @@ def test_a_flag_and_its_enable_make_a_request_with_its_code(make, flag, enable, 
     rig = make(enable)
     rig.wait(SOON)
     assert rig.status(flag)
-    assert rig.asked() == INT1
+    assert rig.requested() == INT1
     if code == 5:  # XRDY is cleared by a write only; with XRDY = 0, the read below clears the code
         rig.write("I2CDXR", 0x13)
     assert rig.read("I2CISRC") == code
     rig.wait(SOON)
     if code in (1, 2, 5, 6):
         assert rig.read("I2CISRC") == 0
-        assert rig.asked() == 0
+        assert rig.requested() == 0
 
 
 @pytest.mark.rule("I2C-272", "I2C-273", "I2C-278")
@@ -137,7 +137,7 @@ def test_a_flag_without_its_enable_is_set_and_requests_nothing(make, flag, enabl
     rig = make(0)
     rig.wait(SOON)
     assert rig.status(flag)
-    assert rig.asked() == 0
+    assert rig.requested() == 0
     assert rig.read("I2CISRC") == 0
 
 
@@ -158,9 +158,9 @@ def test_a_flag_requests_nothing_with_all_other_enables(make, flag, enable, code
 def test_an_enable_set_after_its_flag_requests(make, flag, enable, code):
     rig = make(0)
     rig.wait(SOON)
-    rig.asked()
+    rig.requested()
     rig.write("I2CIER", enable)
-    assert rig.asked(SOON) == INT1
+    assert rig.requested(SOON) == INT1
     assert rig.peek("I2CISRC") == code
 
 
@@ -189,14 +189,14 @@ def test_the_other_flags_request_nothing():
     rig.send(OWN << 1 | 1)  # SDIR, XSMT = 0
     drain(rig)
     assert set(codes) == {0}
-    assert rig.asked() == 0
+    assert rig.requested() == 0
 
 
 @pytest.mark.rule("I2C-276", "I2C-277")
 def test_the_seven_requests_never_use_the_fifo_line():
     for make in (lose, refuse, receive, need_data, stopped, called):
         rig = make(0x7F)
-        assert rig.asked(SOON) == INT1
+        assert rig.requested(SOON) == INT1
 
 
 @pytest.mark.rule("I2C-279", "I2C-280", "I2C-281", "I2C-282")
@@ -207,12 +207,12 @@ def test_reading_a_code_loads_the_next_one_with_a_new_pulse():
     rig.wait(SOON)
     assert rig.status(RRDY | SCD | AAS) == RRDY | SCD
     rig.write("I2CIER", IE_RRDY | IE_SCD)
-    assert rig.asked(SOON) == INT1
+    assert rig.requested(SOON) == INT1
     rig.read("I2CDRR")
     assert rig.read("I2CISRC") == 4
-    assert rig.asked(SOON) == INT1
+    assert rig.requested(SOON) == INT1
     assert rig.read("I2CISRC") == 6
-    assert rig.asked(SOON) == 0
+    assert rig.requested(SOON) == 0
     assert rig.read("I2CISRC") == 0
 
 
@@ -282,8 +282,8 @@ def test_in_fifo_mode_the_other_requests_work():
         rig.write("I2CIER", enable)
         rig.address()
         rig.stop()
-        assert rig.asked(SOON) == INT1
+        assert rig.requested(SOON) == INT1
         assert rig.read("I2CISRC") == code
         rig.write("I2CIER", 0)
         rig.read("I2CISRC")
-        rig.asked()
+        rig.requested()

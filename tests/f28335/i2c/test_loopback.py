@@ -29,7 +29,7 @@ def loop(b: Bench, data: list[int], extra: str = "STP") -> list[int]:
 
 def decoded_bytes(b: Bench) -> list[str]:
     """Return the decoded transfer without acknowledge bits, because the manual does not specify them on the pin."""
-    return [word for word in b.said().split() if word not in "AN"]
+    return [word for word in b.decoded().split() if word not in "AN"]
 
 
 @rule("I2C-307")
@@ -86,8 +86,8 @@ def test_without_dlb_the_module_waits_for_the_scl_pin():
     b.edge(SCL, 0, 3)
     b.pull(SCL)
     assert b.held(30 * SLOT)
-    b.let_go(SCL)
-    assert b.said_at_stop() == "S 50W A 5c A P"
+    b.release(SCL)
+    assert b.decoded_at_stop() == "S 50W A 5c A P"
 
 
 @rule("I2C-306")
@@ -126,7 +126,7 @@ def test_a_foreign_transfer_on_the_pins_is_ignored():
     b = Bench(Foreign("S 2AW 12 P"), own=OWN)
     b.mode("MST TRX DLB")
     b.run(30 * SLOT)
-    assert b.foreign.done and b.foreign.heard == "NN"
+    assert b.foreign.done and b.foreign.acknowledges == "NN"
     assert b.flags("AAS RRDY") == ""
 
 
@@ -154,10 +154,10 @@ def test_after_loopback_a_clock_edge_of_others_is_no_start(way: str):
         b.run(FILTER)
     assert b.flags("BB SCD") == ""
     leave(b, way)
-    b.let_go(SCL)
+    b.release(SCL)
     b.run(FILTER)
     assert b.flags("BB SCD") == ""
-    b.let_go(SDA)
+    b.release(SDA)
     b.run(FILTER)
     assert b.flags("BB SCD") == "SCD"
 
@@ -173,8 +173,8 @@ def test_after_loopback_a_start_waits_for_scl_held_by_others(way: str):
     b.send([0x12])
     b.run(10 * SLOT)
     assert b.times(SDA, 0) == [] and b.flags("BB STT") == "STT"
-    b.let_go(SCL)
-    assert b.said_at_stop() == "S 50W A 12 A P"
+    b.release(SCL)
+    assert b.decoded_at_stop() == "S 50W A 12 A P"
 
 
 def test_a_receiver_counts_bytes_even_if_the_filter_suppresses_every_bit():

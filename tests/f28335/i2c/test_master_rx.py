@@ -20,7 +20,7 @@ def test_any_bytes_are_received_from_any_address(address: int, data: list[int]):
     b.w("I2CSAR", address)
     assert b.read_all(len(data)) == data
     body = " ".join(f"{d:02x} A" for d in data)[:-1] + "N"
-    assert b.said() == f"S {address:02x}R A {body} P"
+    assert b.decoded() == f"S {address:02x}R A {body} P"
     assert b.target.answers == [0] * (len(data) - 1) + [1]
     assert b.flags("STP MST BB STT NACK ARDY") == ""
     assert b.flags("NACKSNT SCD") == "NACKSNT SCD"
@@ -31,7 +31,7 @@ def test_nothing_is_received_if_the_read_address_is_not_acknowledged():
     b = Bench()
     b.mode("MST STT", count=2)
     b.after("NACK", 20)
-    assert b.said() == "S 50R N"
+    assert b.decoded() == "S 50R N"
     assert b.flags("RRDY RSFULL") == ""
 
 
@@ -58,7 +58,7 @@ def test_two_unread_bytes_hold_scl_until_i2cdrr_is_read():
     assert b.r("I2CDRR") == 0x11
     assert b.flags("RSFULL") == ""
     assert b.drain(3) == data[1:]
-    assert b.said_at_stop() == "S 50R A 11 A 22 A 33 A 44 N P"
+    assert b.decoded_at_stop() == "S 50R A 11 A 22 A 33 A 44 N P"
 
 
 @rule("I2C-142", "I2C-132", "I2C-133")
@@ -78,7 +78,7 @@ def test_without_stp_the_end_of_the_count_sets_ardy_and_keeps_the_bus():
     assert b.held(20 * SLOT)
     assert b.flags("BB MST SCD") == "BB MST"
     b.stop()
-    assert b.said().endswith(" P")
+    assert b.decoded().endswith(" P")
 
 
 @rule("I2C-067", "I2C-070", "I2C-073", "I2C-140")
@@ -141,7 +141,7 @@ def test_nackmod_left_from_transmitting_does_not_refuse_an_address():
     """A transmitter leaves the acknowledge bits to other devices; NACKMOD has a meaning only for a receiver."""
     b = Bench(Target())
     b.send([1, 2], extra="NACKMOD", until="ARDY")
-    assert b.said() == "S 50W A 01 A 02 A"
+    assert b.decoded() == "S 50W A 01 A 02 A"
     assert b.flags("NACKSNT") == ""
 
 
@@ -165,7 +165,7 @@ def test_stp_set_during_a_transfer_ends_it_before_the_count(count: int):
     b.edge(SCL, 0, 4)
     b.set("STP")
     assert b.drain(1) == [2]
-    assert b.said_at_stop() == "S 50R A 01 A 02 N P"
+    assert b.decoded_at_stop() == "S 50R A 01 A 02 N P"
     assert b.flags("STP MST BB") == ""
 
 
@@ -174,7 +174,7 @@ def test_the_end_of_the_count_sends_the_nack_and_the_stop():
     b = Bench(Target(gives=range(9)))
     b.read_all(4)
     assert b.target.answers == [0, 0, 0, 1]
-    assert b.said().endswith("03 N P")
+    assert b.decoded().endswith("03 N P")
 
 
 @rule("I2C-152", "I2C-139")
@@ -182,7 +182,7 @@ def test_write_then_read_of_a_register_with_a_repeated_start():
     b = Bench(Target(gives=[0xE5, 0x00]))
     b.send([0x32], extra="", until="ARDY")
     assert b.read_all(2) == [0xE5, 0x00]
-    assert b.said() == "S 50W A 32 A S 50R A e5 A 00 N P"
+    assert b.decoded() == "S 50W A 32 A S 50R A e5 A 00 N P"
 
 
 @rule("I2C-299")

@@ -48,7 +48,7 @@ def test_flags_during_a_transfer_of_two_bytes():
         SLOT,
         start=start,
     )
-    assert b.said() == "S 50W A 05 A 06 A"
+    assert b.decoded() == "S 50W A 05 A 06 A"
 
 
 @rule("I2C-067", "I2C-068", "I2C-071")
@@ -82,7 +82,7 @@ def test_bc_written_after_i2cdxr_is_noted():
     b.w("I2CDXR", 0x12)
     b.w("I2CMDR", mdr("MST TRX STT STP", 5))
     assert not b.duties()
-    assert b.said_at_stop(bits=5) == "S 50W A 12 A P"
+    assert b.decoded_at_stop(bits=5) == "S 50W A 12 A P"
 
     b = Bench(Target(bits=5))
     b.w("I2CCNT", 1)
@@ -126,7 +126,7 @@ def test_the_second_address_byte_must_be_acknowledged_too():
     b.w("I2CSAR", 0x235)
     b.mode("MST TRX STT XA", count=1, data=0x12)
     b.after("NACK", 4)
-    assert b.said() == "S 7aW A 35 N"
+    assert b.decoded() == "S 7aW A 35 N"
 
 
 @rule("I2C-088")
@@ -135,9 +135,9 @@ def test_i2csar_written_during_a_transfer_applies_to_the_next_start():
     b.send([1], extra="", count=1)
     b.w("I2CSAR", 0x21)
     b.until(lambda: b.flag("ARDY"))
-    assert b.said() == "S 50W A 01 A"
+    assert b.decoded() == "S 50W A 01 A"
     b.send([2], extra="STP")
-    assert b.said_at_stop() == "S 50W A 01 A S 21W A 02 A P"
+    assert b.decoded_at_stop() == "S 50W A 01 A S 21W A 02 A P"
 
 
 @rule("I2C-088")
@@ -146,7 +146,7 @@ def test_i2csar_written_while_the_address_is_on_the_bus_does_not_change_it():
     b.mode("MST TRX STT STP", count=1, data=1)
     b.edge(SCL, 0, 3)
     b.w("I2CSAR", 0x7F)
-    assert b.said_at_stop() == "S 50W A 01 A P"
+    assert b.decoded_at_stop() == "S 50W A 01 A P"
 
 
 @rule("I2C-089", "I2C-252")
@@ -157,7 +157,7 @@ def test_i2csar_0_is_a_general_call_and_nack_is_1_although_it_is_acknowledged():
     b.until(lambda: b.flag("NACK") and b.target.got)
     b.run(2 * SLOT)
     assert b.flags("NACK") == "NACK"
-    assert b.said() == "S 00W A 12 A"
+    assert b.decoded() == "S 00W A 12 A"
     assert b.target.got == [0x12]
 
 
@@ -177,7 +177,7 @@ def test_a_byte_in_i2cdxr_waits_there_while_the_address_is_shifted_out():
         assert b.flags("XRDY") == ""
         b.edge(SCL, 0)
     b.until(lambda: b.flag("XRDY"), SLOT + SLOT // 2)
-    assert b.said_at_stop() == "S 50W A 77 A P"
+    assert b.decoded_at_stop() == "S 50W A 77 A P"
 
 
 # ---- underflow ------------------------------------------------------------------------------------------
@@ -194,7 +194,7 @@ def test_without_data_scl_is_held_low_until_i2cdxr_is_written(sent: int):
     assert b.flags("XSMT XRDY ARDY BB MST") == "XRDY BB MST"
     b.w("I2CDXR", 0x44)
     b.until(lambda: b.flag("XSMT"), SLOT)
-    assert b.said_at_stop() == "S 50W A " + "09 A " * sent + "44 A P"
+    assert b.decoded_at_stop() == "S 50W A " + "09 A " * sent + "44 A P"
 
 
 # ---- count ------------------------------------------------------------------------------------------------
@@ -217,7 +217,7 @@ def test_the_next_transfer_starts_again_from_the_value_in_i2ccnt():
     b.mode("MST TRX STT STP")
     b.feed([3, 4])
     b.stopped()
-    assert b.said().endswith("P S 50W A 03 A 04 A P")
+    assert b.decoded().endswith("P S 50W A 03 A 04 A P")
 
 
 @pytest.mark.long
@@ -271,9 +271,9 @@ def test_repeat_mode_each_write_to_i2cdxr_sends_one_byte_and_each_byte_sets_ardy
         text += f" {byte:02x} A"
         b.run(SLOT)
         assert b.held(10 * SLOT)
-        assert b.said() == text
+        assert b.decoded() == text
     b.stop()
-    assert b.said() == text + " P"
+    assert b.decoded() == text + " P"
 
 
 @rule("I2C-058")
@@ -370,7 +370,7 @@ def test_i2cstr_after_an_absent_slave_has_the_value_that_users_saw_on_a_related_
     assert b.peek("I2CSTR") == 0x1406
     assert b.held(20 * SLOT)
     b.stop()
-    assert b.said() == "S 50W N P"
+    assert b.decoded() == "S 50W N P"
 
 
 @rule("I2C-250")
@@ -380,9 +380,9 @@ def test_a_refused_data_byte_sets_nack_and_no_further_byte_goes_out(number: int)
     b.send([1, 2, 3][: number + 1], extra="", count=3)
     assert not b.flag("NACK")
     b.after("NACK", 20)
-    assert b.said() == ["S 50W A 01 N", "S 50W A 01 A 02 N"][number]
+    assert b.decoded() == ["S 50W A 01 N", "S 50W A 01 A 02 N"][number]
     b.stop()
-    assert b.said().endswith("N P")
+    assert b.decoded().endswith("N P")
 
 
 @rule("I2C-253")
@@ -395,12 +395,12 @@ def test_nack_is_cleared_by_the_next_acknowledge():
     b.mode("MST TRX STT STP")
     b.until(lambda: not b.flag("NACK"))
     b.feed([1])
-    assert b.said_at_stop() == "S 33W N S 50W A 01 A P"
+    assert b.decoded_at_stop() == "S 33W N S 50W A 01 A P"
 
 
 @rule("I2C-187")
 def test_nackmod_has_no_effect_on_a_transmitter():
     b = Bench(Target())
     b.write_all([1, 2], extra="STP NACKMOD")
-    assert b.said() == "S 50W A 01 A 02 A P"
+    assert b.decoded() == "S 50W A 01 A 02 A P"
     assert b.flags("NACKSNT NACK") == ""

@@ -45,7 +45,7 @@ def serve(b: Bench, left: list[int]) -> None:
         b.r("I2CDRR")
 
 
-def look(b: Bench) -> list[int]:
+def visible_state(b: Bench) -> list[int]:
     return [b.m.out, b.m.requests, b.m.held, *(b.m.peek(b.now, offset) for offset in OFFSET.values())]
 
 
@@ -54,13 +54,13 @@ def test_nothing_changes_in_a_cycle_without_input_or_due_wake(name: str):
     b = scene(name)
     left = list(DATA)
     for cycle in range(36 * SLOT):
-        before, due = look(b), b.nearest() <= b.now + 1
+        before, due = visible_state(b), b.nearest() <= b.now + 1
         b.run(1)
         if not due:
-            assert look(b) == before, f"at cycle {b.now}"
+            assert visible_state(b) == before, f"at cycle {b.now}"
         if cycle % 40 == 0:
             serve(b, left)
-    assert "P" in b.said() or name == "refused"
+    assert "P" in b.decoded() or name == "refused"
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -38,7 +38,7 @@ class CheckedI2c(I2c):
     def shown(self) -> tuple[int, ...]:
         return self.out, self.state.readable(), self.requests, self.held, len(self.notes)
 
-    def look(self) -> None:
+    def predict(self) -> None:
         self.predicted = self.first = self.next_output()
         self.left = self.silent_edges()
 
@@ -49,40 +49,40 @@ class CheckedI2c(I2c):
             self.left = self.left - 1 if self.left > 0 and apart else -1
         if moved & 1 << SDA and (levels | moved) & 1 << SCL:
             self.left = -1
-        looks = super().pins(now, levels)
+        result = super().pins(now, levels)
         if self.left >= 0 and now < self.first:
             assert self.shown() == before
             self.silent += 1
         else:
-            self.look()
+            self.predict()
         self.predicted = self.next_output()
-        return looks
+        return result
 
     def read(self, now: int, offset: int) -> int:
         value = super().read(now, offset)
-        self.look()
+        self.predict()
         return value
 
     def write(self, now: int, offset: int, value: int) -> None:
         super().write(now, offset, value)
-        self.look()
+        self.predict()
 
     def suspend(self, now: int, on: bool) -> None:
         super().suspend(now, on)
-        self.look()
+        self.predict()
 
     def wake(self, now: int) -> int:
         before = self.shown()
-        looks = super().wake(now)
+        result = super().wake(now)
         same = self.shown() == before
         assert same or now >= self.predicted, f"{before} became {self.shown()} before {self.predicted}"
         self.early += now < self.predicted
         if self.left >= 0 and now < self.first:
             assert same, f"{before} became {self.shown()}, with {self.left} silent edges left"
         else:
-            self.look()
+            self.predict()
         self.predicted = max(self.predicted, self.next_output())  # a prediction is valid until the next input
-        return looks
+        return result
 
 
 @pytest.fixture(autouse=True)
@@ -139,7 +139,7 @@ def test_next_output_of_a_module_in_reset_is_never():
     b.pull(SCL)
     assert b.m.next_output() == NEVER
     b.w("I2CMDR", FDF | IRS)
-    b.let_go(SCL)
+    b.release(SCL)
     b.run(SLOT)
     b.pull(SDA)
     assert b.m.next_output() == b.now + 15
@@ -186,7 +186,7 @@ def clocked_by_another(b: Bench) -> None:
     b.run(20)
     b.pull(SCL)
     b.run(SLOT)
-    b.let_go(SCL)
+    b.release(SCL)
 
 
 def free_data(b: Bench) -> None:
@@ -218,7 +218,7 @@ def wait_for_the_bus(b: Bench) -> None:
     b.run(SLOT)
     b.mode("MST TRX STT STP")
     b.run(SLOT)
-    b.let_go(SDA)
+    b.release(SDA)
 
 
 SCENARIOS = {
@@ -281,9 +281,9 @@ ACTIONS: dict[str, Any] = {
     "breakpoint": lambda b, chip: (chip.suspend(b.now, True), b.settle()),
     "run on": lambda b, chip: (chip.suspend(b.now, False), b.settle()),
     "pull SDA": lambda b, chip: b.pull(SDA),
-    "let SDA go": lambda b, chip: b.let_go(SDA),
+    "let SDA go": lambda b, chip: b.release(SDA),
     "pull SCL": lambda b, chip: b.pull(SCL),
-    "let SCL go": lambda b, chip: b.let_go(SCL),
+    "let SCL go": lambda b, chip: b.release(SCL),
 }
 STEPS = st.tuples(st.sampled_from(sorted(ACTIONS)), st.sampled_from("ms"), st.integers(1, 12 * SLOT))
 

@@ -55,7 +55,7 @@ def test_open_hold_scl_after_nack(hold: bool):
     assert b.level == [int(not hold), 1]
     assert b.quiet(50 * SLOT)
     b.set("STP")
-    assert b.said_after(4 * SLOT) == "S 50W N P"
+    assert b.decoded_after(4 * SLOT) == "S 50W N P"
     assert b.flags("BB MST STP") == ""
 
 
@@ -75,7 +75,7 @@ def test_open_stop_without_data(how: str, said: str):
     b.send([], extra="", count=1)
     b.after("NACK")
     b.set("STP")
-    assert b.said_after(20 * SLOT) == said
+    assert b.decoded_after(20 * SLOT) == said
     assert b.flag("STP") == (how == "waits_for_data")
 
 
@@ -88,7 +88,7 @@ def test_open_stop_without_data_counts_the_bytes_since_the_last_start(how: str, 
     b.send([], extra="", count=1)
     b.after("NACK")
     b.set("STP")
-    assert b.said_after(20 * SLOT) == "S 50W A 01 A " + said
+    assert b.decoded_after(20 * SLOT) == "S 50W A 01 A " + said
 
 
 # ---- count, receiver ----------------------------------------------------------------------------------
@@ -140,7 +140,7 @@ def test_open_rm_receiver(how: str):
         b.edge(SCL, 0, 3)
         b.set("STP")
         assert b.drain(1) == [5]
-        assert b.said_at_stop() == "S 50R A 01 A 02 A 03 A 04 A 05 N P"
+        assert b.decoded_at_stop() == "S 50R A 01 A 02 A 03 A 04 A 05 N P"
     else:
         b.after("ARDY")
         assert b.held(30 * SLOT)
@@ -157,7 +157,7 @@ def test_open_rm_receiver_allowed_ends_with_a_repeated_start():
         b.run(25)
         if b.flag("RRDY"):
             b.r("I2CDRR")
-    words = b.said().split()
+    words = b.decoded().split()
     assert words[:3] == ["S", "50R", "A"] and words.count("S") == 2 and words[-1] == "P"
 
 
@@ -180,7 +180,7 @@ def test_open_stt_with_irs_write(how: str):
     b.w("I2CDXR", 0x12)
     b.w("I2CMDR", 0x2E20)  # STT, STP, MST, TRX and IRS at once
     assert b.flags("STT STP MST") == ("STT STP MST" if how == "accepted" else "MST")
-    assert b.said_after(40 * SLOT) == ("S 50W A 12 A P" if how == "accepted" else "")
+    assert b.decoded_after(40 * SLOT) == ("S 50W A 12 A P" if how == "accepted" else "")
 
 
 @rule("I2C-150", "I2C-258")
@@ -192,15 +192,15 @@ def test_open_stt_while_busy(how: str):
     b.mode("MST TRX STT STP", count=1, data=0x12)
     b.run(60 * SLOT)
     if how == "foreign_al":
-        assert b.said() == "S 48W A 77 A P"
+        assert b.decoded() == "S 48W A 77 A P"
         assert b.flags("AL MST STP") == "AL"
     elif how == "foreign_waits":
-        assert b.said() == "S 48W A 77 A P S 50W A 12 A P"
+        assert b.decoded() == "S 48W A 77 A P S 50W A 12 A P"
         assert b.flags("AL MST STP") == ""
         _, stop, start, _ = (said.start for said in decode(b.edges) if said.text in "SP")
         assert start - stop == TMOD + LOW  # the filter delays the STOP by TMOD
     else:
-        assert b.said() == "S 48W A ~01110 S 50W A 12 A P"
+        assert b.decoded() == "S 48W A ~01110 S 50W A 12 A P"
 
 
 FOREIGN = ["unnoticed", "loses_arbitration"]
@@ -219,7 +219,7 @@ def test_open_foreign_start_stop_a_start_against_a_one(how: str):
     assert b.flags("AL MST BB") == ("MST BB" if how == "unnoticed" else "AL BB")
     clocked = len(b.times(SCL, 0))
     b.edge(SCL, 0) if how == "unnoticed" else b.run(HIGH)
-    b.let_go(SDA)
+    b.release(SDA)
     b.run(4 * SLOT)
     assert len(b.times(SCL, 0)) - clocked == (5 if how == "unnoticed" else 0)
 
@@ -249,7 +249,7 @@ def test_open_foreign_start_stop_has_no_effect_on_own_conditions(how: str):
     b.send([0x00], extra="", until="ARDY")
     assert b.read_all(1) == [0x77]
     b.send([0xFF])
-    assert b.said_at_stop() == "S 50W A 00 A S 50R A 77 N P S 50W A ff A P"
+    assert b.decoded_at_stop() == "S 50W A 00 A S 50R A 77 N P S 50W A ff A P"
     assert b.flags("AL") == "" and "foreign_start_stop" not in b.m.touched
 
 
@@ -259,7 +259,7 @@ def test_a_foreign_stop_after_the_own_one_clears_no_command():
     b.join(Foreign("S 48W 77 P", at=b.now + SLOT))
     b.mode("MST TRX STP")
     b.run(40 * SLOT)
-    assert b.said().endswith("S 48W A 77 A P") and b.flags("MST STP AL") == "MST STP"
+    assert b.decoded().endswith("S 48W A 77 A P") and b.flags("MST STP AL") == "MST STP"
 
 
 @rule("I2C-037", "I2C-150")
@@ -269,10 +269,10 @@ def test_a_start_waits_until_scl_is_released():
     b.pull(SCL)
     b.run(2 * SLOT)
     b.send([0x12])
-    assert b.said_after(20 * SLOT) == "" and b.flags("BB STT MST AL") == "STT MST"
-    b.let_go(SCL)
+    assert b.decoded_after(20 * SLOT) == "" and b.flags("BB STT MST AL") == "STT MST"
+    b.release(SCL)
     released = b.now
-    assert b.said_at_stop() == "S 50W A 12 A P"
+    assert b.decoded_at_stop() == "S 50W A 12 A P"
     assert min(b.times(SDA, 0)) - released < LOW + HIGH
     assert not b.duties()
 
@@ -283,7 +283,7 @@ def test_open_stt_while_busy_has_no_effect_on_the_own_bus(how: str):
     b = Bench(Target(), options=with_(stt_while_busy=how))
     b.send([1], extra="", until="ARDY")
     b.send([2])
-    assert b.said_at_stop() == "S 50W A 01 A S 50W A 02 A P"
+    assert b.decoded_at_stop() == "S 50W A 01 A S 50W A 02 A P"
     assert not b.flag("AL")
 
 
@@ -295,7 +295,7 @@ def test_open_al_clears_stt(clears: bool):
     b.mode("MST TRX STT STP")
     b.until(lambda: b.flag("AL"))
     assert b.flags("STT STP MST") == ("" if clears else "STT")
-    assert b.said_after(60 * SLOT) == "S 48W A 77 A P"
+    assert b.decoded_after(60 * SLOT) == "S 48W A 77 A P"
 
 
 @rule("I2C-083", "I2C-086")
@@ -308,7 +308,7 @@ def test_open_ten_bit_read_from_idle(how: str, said: str):
     b.w("I2CSAR", 0x234)
     b.mode("MST STT STP XA", count=1)
     b.run(50 * SLOT)
-    assert b.said().removesuffix(" P") == said.removesuffix(" P")
+    assert b.decoded().removesuffix(" P") == said.removesuffix(" P")
     assert b.flag("RRDY") == (how == "full_address_first")
 
 
@@ -318,7 +318,7 @@ def test_open_own_general_call(how: str, said: str):
     b = Bench(options=with_(own_general_call=how))
     b.w("I2CSAR", 0)
     b.send([], extra="", count=1)
-    assert b.said_after(15 * SLOT) == said
+    assert b.decoded_after(15 * SLOT) == said
     assert b.flags("AAS AD0") == ("AAS AD0" if how == "answered" else "")
     assert b.flag("NACK")  # in both cases, as in Table 10
 
@@ -334,7 +334,7 @@ def test_open_start_byte_ad0(how: str):
         seen |= b.flag("AD0", b.s)
         assert not b.flag("AAS", b.s)
         b.run(25)
-    assert b.said() == "S 00R N S 50W A 12 A P"
+    assert b.decoded() == "S 00R N S 50W A 12 A P"
     assert seen == (how == "set")
 
 
@@ -445,11 +445,11 @@ def test_open_free_slave_unit(how: str):
     assert b.r("I2CDRR") == 0x12
     b.run(30 * SLOT)
     assert b.flag("RRDY") == (how == "whole_transfer")
-    assert (b.foreign.heard, b.foreign.done) == (("AA", False) if how == "byte" else ("AAA", True))
+    assert (b.foreign.acknowledges, b.foreign.done) == (("AA", False) if how == "byte" else ("AAA", True))
     b.suspend(False)
     assert b.drain(1) == [0x34]
     b.run(10 * SLOT)
-    assert (b.said(), b.foreign.heard) == ("S 50W A 12 A 34 A P", "AAA")
+    assert (b.decoded(), b.foreign.acknowledges) == ("S 50W A 12 A 34 A P", "AAA")
 
 
 # ---- interrupt --------------------------------------------------------------------------------------------------

@@ -47,7 +47,7 @@ def read_bytes(count: int, **options) -> Rig:
     for n in range(count):
         if n:
             rig.write("I2CDXR", 0x11 + n)
-        assert rig.take(ack=n + 1 < count) == 0x11 + n
+        assert rig.read_byte(ack=n + 1 < count) == 0x11 + n
     return rig
 
 
@@ -63,7 +63,7 @@ def test_open_emdr_present(present):
     assert rig.read("I2CEMDR") == 0
     rig.write("I2CIER", IE_XRDY)
     rig.begin()
-    rig.ask()
+    rig.begin_read()
     assert rig.peek("I2CISRC", wait=SOON) == (0 if present else 5), "with BCM = 0, the request is later"
     rig.reset()
     rig.write("I2CEMDR", 1)
@@ -77,7 +77,7 @@ def test_open_bcm_reset(bcm):
     assert rig.read("I2CEMDR") == bcm
     rig.write("I2CIER", IE_XRDY)
     rig.begin()
-    rig.ask()
+    rig.begin_read()
     assert rig.peek("I2CISRC", wait=SOON) == 5 * bcm
     written = Rig(bcm_reset=bcm)
     written.write("I2CEMDR", 1)
@@ -116,7 +116,7 @@ def test_open_dxr_to_xsr_copy_point_idle(point, trx):
     rig.write("I2CDXR", 0x22)
     assert rig.flag("XRDY") == 0
     rig.address(OWN, 1)
-    assert rig.take() == (0x11 if eager and point != "eager_reloaded_at_address" else 0x22)
+    assert rig.read_byte() == (0x11 if eager and point != "eager_reloaded_at_address" else 0x22)
 
 
 @pytest.mark.rule("I2C-115")
@@ -124,16 +124,16 @@ def test_open_dxr_to_xsr_copy_point_idle(point, trx):
 def test_open_dxr_to_xsr_copy_point_inside_the_ack_slot(point):
     """0x11 is written in the first half of the address-ACK slot, 0x22 in the second half."""
     rig = idle(dxr_to_xsr_copy_point=point)
-    rig.ask()
+    rig.begin_read()
     rig.write("I2CDXR", 0x11)
     rig.rise()
     rig.wait(BIT // 4)
     rig.write("I2CDXR", 0x22)
     rig.fall()
     first = 0x11 if point in ("ack_rise9", "eager", "eager_reloaded_at_address") else 0x22
-    assert rig.take(ack=first == 0x11) == first
+    assert rig.read_byte(ack=first == 0x11) == first
     if first == 0x11:
-        assert rig.take(ack=False) == 0x22
+        assert rig.read_byte(ack=False) == 0x22
 
 
 @pytest.mark.rule("I2C-115")
@@ -156,7 +156,7 @@ def test_open_dxr_to_xsr_copy_point_between_data_bytes(point):
     if not rig.flag("XRDY"):
         rig.wait(100)
     rig.write("I2CDXR", 0x22)
-    rig.take_bits(7)
+    rig.read_bits(7)
     assert rig.flag("XRDY") == 0
     rig.clock(1)
     edges = {"fall8": rig.flag("XRDY")}
@@ -166,21 +166,21 @@ def test_open_dxr_to_xsr_copy_point_between_data_bytes(point):
     edges["fall9"] = rig.flag("XRDY")
     moved = "fall8" if point.startswith("eager") else "rise9" if point == "ack_rise9" else "fall9"
     assert next(edge for edge, xrdy in edges.items() if xrdy) == moved
-    assert rig.take(ack=False) == 0x22
+    assert rig.read_byte(ack=False) == 0x22
 
 
 @pytest.mark.rule("I2C-116", "I2C-118")
 @pytest.mark.parametrize("point", ["fall9", "at_copy"])
 def test_open_xrdy_rise_point(point):
     rig = idle(xrdy_rise_point=point, dxr_to_xsr_copy_point="ack_rise9")
-    rig.ask()
+    rig.begin_read()
     rig.write("I2CDXR", 0x11)
     rig.rise()
     assert rig.flag("XRDY") == (point == "at_copy")
     rig.fall()
     assert rig.flag("XRDY")
     rig.write("I2CDXR", 0x22)
-    assert rig.take_bits(8) == 0x11
+    assert rig.read_bits(8) == 0x11
     rig.rise(0)
     assert rig.flag("XRDY") == (point == "at_copy")
     rig.fall()
@@ -192,9 +192,9 @@ def test_open_xrdy_rise_point(point):
 def test_open_xrdyint_when_idle(when):
     rig = idle(xrdyint_when_idle=when)
     rig.write("I2CIER", IE_XRDY)
-    assert rig.asked(SOON) == (INT1 if when == "level" else 0)
+    assert rig.requested(SOON) == (INT1 if when == "level" else 0)
     assert rig.peek("I2CISRC") == (5 if when == "level" else 0)
-    rig.ask()
+    rig.begin_read()
     assert rig.peek("I2CISRC", wait=SOON) == 5
 
 
@@ -202,12 +202,12 @@ def test_open_xrdyint_when_idle(when):
 @pytest.mark.parametrize("policy", ["stretch", "resend_previous", "send_ones"])
 def test_open_tx_underflow_policy(policy):
     rig = addressed(read=1, first=0x5A, tx_underflow_policy=policy)
-    assert rig.take() == 0x5A
+    assert rig.read_byte() == 0x5A
     rig.wait(BIT)
     assert rig.stretching == (policy == "stretch")
     assert rig.flag("XSMT") == 0
     if policy != "stretch":
-        assert rig.take(ack=False) == (0x5A if policy == "resend_previous" else 0xFF)
+        assert rig.read_byte(ack=False) == (0x5A if policy == "resend_previous" else 0xFF)
 
 
 @pytest.mark.rule("I2C-108")
@@ -219,7 +219,7 @@ def test_open_stretch_after_address_ack(stretches):
     rig.wait(BIT)
     assert rig.stretching == stretches
     if not stretches:
-        assert rig.take(ack=False) == 0x11, "the byte that was left in I2CXSR"
+        assert rig.read_byte(ack=False) == 0x11, "the byte that was left in I2CXSR"
 
 
 @pytest.mark.parametrize("stretches", [True, False])
@@ -243,22 +243,22 @@ def test_open_xsmt_rule(rule):
     rig.wait(BIT)
     assert not rig.stretching
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
-    assert rig.take(ack=False) == 0x5A
+    assert rig.read_byte(ack=False) == 0x5A
 
 
 @pytest.mark.rule("I2C-119")
 @pytest.mark.parametrize("fate", ["sent_first", "discarded"])
 def test_open_stale_byte_next_read(fate):
     rig = addressed(read=1, stale_byte_next_read=fate)
-    rig.supply(0x11, 0x22)
-    assert rig.take(ack=False) == 0x11
+    rig.write_each(0x11, 0x22)
+    assert rig.read_byte(ack=False) == 0x11
     rig.stop()
     rig.address(OWN, 1)
     rig.wait(BIT)
     assert rig.stretching == (fate == "discarded")
     assert rig.flag("XRDY")
     rig.write("I2CDXR", 0x33)
-    assert rig.take(ack=False) == (0x22 if fate == "sent_first" else 0x33)
+    assert rig.read_byte(ack=False) == (0x22 if fate == "sent_first" else 0x33)
 
 
 @pytest.mark.rule("I2C-237")
@@ -271,7 +271,7 @@ def test_open_dxr_write_while_full(policy, sent):
     rig.write("I2CDXR", 0x22)
     assert rig.flag("XRDY") == 0
     rig.address(OWN, 1)
-    assert [rig.take() for _ in sent] == sent
+    assert [rig.read_byte() for _ in sent] == sent
     assert rig.stretching
 
 
@@ -288,15 +288,15 @@ def test_open_dxr_survives_irs(fate):
     assert rig.stretching == (fate == "data_kept_xrdy_1")
     if rig.stretching:
         rig.write("I2CDXR", 0x66)
-    assert rig.take(ack=False) == (0x66 if fate == "data_kept_xrdy_1" else 0x5A)
+    assert rig.read_byte(ack=False) == (0x66 if fate == "data_kept_xrdy_1" else 0x5A)
 
 
 @pytest.mark.rule("I2C-119", "I2C-120")
 @pytest.mark.parametrize("clears", [False, True])
 def test_open_nack_clears_dxr(clears):
     rig = addressed(read=1, nack_clears_dxr=clears)
-    rig.supply(0x11, 0x22)
-    rig.take(ack=False)
+    rig.write_each(0x11, 0x22)
+    rig.read_byte(ack=False)
     assert rig.flag("XRDY") == clears
     rig.stop()
     rig.address(OWN, 1)
@@ -316,11 +316,11 @@ def test_open_xsmt_on_final_nack(what):
 @pytest.mark.parametrize("asks", [True, False])
 def test_open_nackint_in_slave_tx(asks):
     rig = addressed(read=1, nackint_in_slave_tx=asks, ier=IE_NACK)
-    rig.give(0x5A, ack=False)
+    rig.write_and_read_byte(0x5A, ack=False)
     rig.wait(SOON)
     assert rig.flag("NACK")
     assert rig.peek("I2CISRC") == (2 if asks else 0)
-    assert rig.asked() == (INT1 if asks else 0)
+    assert rig.requested() == (INT1 if asks else 0)
 
 
 @pytest.mark.rule("I2C-198", "I2C-199")
@@ -344,14 +344,14 @@ def test_open_cnt_in_slave_tx(effect):
     rig.write("I2CCNT", 2)
     rig.begin()
     for _ in range(2):
-        rig.ask()
+        rig.begin_read()
         got = []
         for byte in (0x11, 0x22, 0x33):
             if rig.flag("XRDY"):
                 rig.write("I2CDXR", byte)
             if byte == 0x11:
                 rig.acked()
-            got.append(rig.take(ack=byte != 0x33))
+            got.append(rig.read_byte(ack=byte != 0x33))
         rig.stop()
         assert got[:2] == [0x11, 0x22]
         assert got[2] == (0x33 if effect == "no_effect" else 0xFF)
@@ -514,7 +514,7 @@ def test_open_oar_zero(what):
     assert rig.send(0x01) == (what == "own_address_too")
     assert rig.status(AAS | SDIR) == (AAS | SDIR if what == "own_address_too" else 0)
     if what == "own_address_too":
-        assert rig.give(0x5A, ack=False) == 0x5A
+        assert rig.write_and_read_byte(0x5A, ack=False) == 0x5A
     rig.stop()
     assert rig.address(0)
 
@@ -594,7 +594,7 @@ def test_open_int_line(line):
     rig.stop()
     rig.wait(SOON)
     assert rig.chip.held == (INT1 if line == "level" else 0)
-    assert rig.asked() == INT1
+    assert rig.requested() == INT1
     assert "int_line" in rig.chip.touched, "the option matters before the code is read"
     rig.read("I2CISRC")
     rig.wait(SOON)
@@ -633,7 +633,7 @@ def test_open_isrc_preempt(rule, shown):
     rig.send(0x11)
     assert rig.peek("I2CISRC", wait=SOON) == 4
     rig.restart(OWN << 1 | 1)
-    rig.give(0x22, ack=False)
+    rig.write_and_read_byte(0x22, ack=False)
     assert rig.read("I2CISRC", wait=SOON) == shown
     assert rig.peek("I2CISRC", wait=SOON) == 6 - shown
 
@@ -791,7 +791,7 @@ def test_open_txfifo_reset_flushes_xsr(flushes):
     assert rig.stretching == flushes
     if flushes:
         rig.write("I2CDXR", 0x22)
-    assert rig.take(ack=False) == (0x22 if flushes else 0x11)
+    assert rig.read_byte(ack=False) == (0x22 if flushes else 0x11)
 
 
 @pytest.mark.rule("I2C-287", "I2C-292", "I2C-299")
@@ -821,7 +821,7 @@ def test_open_fifo_extra_stage_keeps_the_order(stage):
     rig.begin()
     rig.write("I2CDXR", *(0x20 + n for n in range(16 + extra)))
     rig.address(OWN, 1)
-    assert [rig.take(ack=n < 15 + extra) for n in range(16 + extra)] == [0x20 + n for n in range(16 + extra)]
+    assert [rig.read_byte(ack=n < 15 + extra) for n in range(16 + extra)] == [0x20 + n for n in range(16 + extra)]
 
 
 @pytest.mark.rule("I2C-333", "I2C-329")
@@ -873,7 +873,7 @@ def test_after_irs_0_within_a_byte_an_eager_module_copies_at_once_again(point):
     rig.stop()
     rig.start()
     assert rig.send(OWN << 1 | 1)
-    assert rig.take(ack=False) == {"eager_reloaded_at_address": 0x33}.get(point, 0x22)
+    assert rig.read_byte(ack=False) == {"eager_reloaded_at_address": 0x33}.get(point, 0x22)
 
 
 @pytest.mark.rule("I2C-290")
@@ -882,6 +882,6 @@ def test_a_byte_written_to_a_transmit_fifo_in_reset_is_lost_and_noted_each_time(
     rig = idle()
     rig.write("I2CFFTX", FFEN | (0 if held else FFRST))
     rig.write("I2CDXR", 0x55, 0x66)
-    told = "a byte was written to I2CDXR while TXFFRST = 0 holds the TX FIFO empty"
-    assert [(note.code, note.text) for note in rig.chip.notes] == [("lost", told)] * (2 if held else 0)
+    text = "a byte was written to I2CDXR while TXFFRST = 0 holds the TX FIFO empty"
+    assert [(note.code, note.text) for note in rig.chip.notes] == [("lost", text)] * (2 if held else 0)
     assert rig.peek("I2CFFTX") >> 8 & 31 == (0 if held else 2)

@@ -207,13 +207,13 @@ def test_the_receive_shift_register_cannot_be_read():
 def test_the_transmit_shift_register_cannot_be_accessed():
     """0x3C is in I2CXSR, and 0x77 in I2CDXR; writes to offsets without a register change neither."""
     rig = addressed(read=1)
-    rig.supply(0x3C, 0x77)
+    rig.write_each(0x3C, 0x77)
     for offset in set(range(0x40)) - set(OFFSET.values()):
         assert rig.chip.read(rig.now, offset) == 0
         rig.chip.write(rig.now, offset, 0xFFFF)
         assert rig.chip.read(rig.now, offset) == 0
     assert [name for name in OFFSET if rig.peek(name) & 0xFF == 0x3C] == []
-    assert (rig.take(), rig.take(ack=False)) == (0x3C, 0x77)
+    assert (rig.read_byte(), rig.read_byte(ack=False)) == (0x3C, 0x77)
 
 
 @pytest.mark.rule("I2C-028")

@@ -21,7 +21,7 @@ def test_a_waiting_byte_is_sent_before_the_stop() -> None:
     b, target = begun()
     b.w("I2CDXR", 0x22)
     b.set("STP")
-    assert b.said_after(40 * SLOT) == "S 50W A 11 A 22 A P"
+    assert b.decoded_after(40 * SLOT) == "S 50W A 11 A 22 A P"
     assert target.got == [0x11, 0x22]
 
 
@@ -29,5 +29,5 @@ def test_a_waiting_byte_is_sent_before_the_stop() -> None:
 def test_without_a_waiting_byte_the_stop_follows_the_byte_being_sent() -> None:
     b, target = begun()
     b.set("STP")
-    assert b.said_after(40 * SLOT) == "S 50W A 11 A P"
+    assert b.decoded_after(40 * SLOT) == "S 50W A 11 A P"
     assert (target.got, b.flag("MST"), b.flag("SCD")) == ([0x11], 0, 1)

@@ -50,7 +50,7 @@ def sending_zeros() -> Rig:
     """Return a rig whose chip is in the middle of a byte as transmitter and pulls SDA."""
     rig = addressed(read=1)
     rig.write("I2CDXR", 0x00)
-    rig.take_bits(3)
+    rig.read_bits(3)
     assert rig.pulling_sda
     return rig
 
@@ -159,7 +159,7 @@ def test_irs_1_enables_a_module_with_both_lines_released():
     assert rig.released
     rig.stop()
     assert rig.address()
-    assert rig.deliver(0x77) == 0x77
+    assert rig.send_and_read(0x77) == 0x77
 
 
 @pytest.mark.rule("I2C-335", "I2C-336")
@@ -331,11 +331,11 @@ def test_a_module_that_is_reset_between_transfers_answers_each_address():
         rig.write("I2COAR", address)
         rig.write("I2CMDR", IRS)
         assert rig.address(address)
-        assert rig.deliver(0x32) == 0x32
+        assert rig.send_and_read(0x32) == 0x32
         assert rig.restart(address << 1 | 1)
         assert rig.flag("SDIR")
         for n in range(6):
-            assert rig.give(address + n, ack=n < 5) == address + n
+            assert rig.write_and_read_byte(address + n, ack=n < 5) == address + n
         rig.stop()
 
 
@@ -348,10 +348,10 @@ def test_each_rise_of_irs_requests_again_for_xrdy():
         rig.wait(SOON)
         assert rig.interrupts == [(begun + 2, INT1)]
         assert rig.peek("I2CISRC") == 5
-        rig.asked()
+        rig.requested()
         rig.write("I2CMDR", 0)
         rig.wait(SOON)
-        assert (rig.peek("I2CISRC"), rig.asked()) == (0, 0)
+        assert (rig.peek("I2CISRC"), rig.requested()) == (0, 0)
         rig.write("I2CMDR", IRS)
 
 

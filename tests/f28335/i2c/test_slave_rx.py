@@ -56,7 +56,7 @@ def test_i2ccnt_does_not_limit_a_slave_receiver(count):
     rig.begin()
     rig.address()
     for byte in range(5):
-        assert rig.deliver(byte) == byte
+        assert rig.send_and_read(byte) == byte
     assert rig.read("I2CCNT") == count
 
 
@@ -86,7 +86,7 @@ def test_a_second_unread_byte_holds_scl_until_drr_is_read():
     assert rig.status(RRDY | RSFULL) == RRDY
     assert rig.read("I2CDRR") == 0x22
     assert rig.status(RRDY | RSFULL) == 0
-    assert rig.deliver(0x33) == 0x33
+    assert rig.send_and_read(0x33) == 0x33
 
 
 @pytest.mark.rule("I2C-101", "I2C-210")
@@ -188,8 +188,8 @@ def test_nackmod_has_no_effect_on_a_transmitter():
     plain, nackmod = addressed(read=1), addressed(read=1)
     nackmod.write("I2CMDR", IRS | NACKMOD)
     for rig in (plain, nackmod):
-        assert rig.give(0x81) == 0x81
-        assert rig.give(0x18, ack=False) == 0x18
+        assert rig.write_and_read_byte(0x81) == 0x81
+        assert rig.write_and_read_byte(0x18, ack=False) == 0x18
     assert plain.status() == nackmod.status()
     assert nackmod.flag("NACKSNT") == 0
 
@@ -306,11 +306,11 @@ def test_nothing_changes_between_inputs_and_due_wake_ups(noise, fifo):
     rig.begin()
     rig.start()
     assert rig.send(OWN << 1)
-    assert rig.deliver(0x5A) == 0x5A
+    assert rig.send_and_read(0x5A) == 0x5A
     assert rig.restart(OWN << 1 | 1)
     assert rig.status(AAS | SDIR) == AAS | SDIR
     rig.wait(100)
-    assert rig.give(0x96, ack=False) == 0x96
+    assert rig.write_and_read_byte(0x96, ack=False) == 0x96
     rig.stop()
     rig.wait(128)
     assert not rig.stretching

@@ -84,7 +84,7 @@ def test_bcm_0_has_as_many_requests_as_sent_bytes():
         requests += 1
         rig.write("I2CDXR", byte)
         rig.read("I2CISRC")
-        assert rig.take(ack=byte != 0x33) == byte
+        assert rig.read_byte(ack=byte != 0x33) == byte
     rig.stop()
     assert rig.peek("I2CISRC", wait=BIT) == 0
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
@@ -96,14 +96,14 @@ def test_bcm_0_a_byte_written_ahead_is_sent_after_the_current_one():
     rig = reading(bcm=0)
     rig.clock(1)
     rig.acked()
-    rig.supply(0x11)
-    rig.take_bits(3)
+    rig.write_each(0x11)
+    rig.read_bits(3)
     rig.write("I2CDXR", 0x22)
     rig.wait(100)
     assert rig.flag("XRDY") == 0
-    assert rig.take_bits(5) == 0x11
+    assert rig.read_bits(5) == 0x11
     rig.clock(0)
-    assert rig.take(ack=False) == 0x22
+    assert rig.read_byte(ack=False) == 0x22
 
 
 @pytest.mark.rule("I2C-112")
@@ -114,7 +114,7 @@ def test_after_an_aborted_transfer_no_data_are_requested(repeated):
     rig.clock(1)
     rig.write("I2CDXR", 0xFF)
     rig.acked()
-    rig.take_bits(2)
+    rig.read_bits(2)
     if repeated:
         rig.restart(OTHER << 1)
     rig.stop()
@@ -147,7 +147,7 @@ def test_bcm_1_has_one_more_request_than_sent_bytes_and_the_last_byte_stays():
     rig.acked()
     for byte in (0x11, 0x22, 0x33):
         serve()
-        assert rig.take(ack=byte != 0x33) == byte
+        assert rig.read_byte(ack=byte != 0x33) == byte
     serve()
     rig.stop()
     serve()
@@ -160,8 +160,8 @@ def test_bcm_1_has_one_more_request_than_sent_bytes_and_the_last_byte_stays():
 @pytest.mark.rule("I2C-120")
 def test_bcm_1_the_final_nack_copies_no_byte():
     rig = addressed(read=1)
-    rig.supply(0x11, 0x22)
-    rig.take_bits(8)
+    rig.write_each(0x11, 0x22)
+    rig.read_bits(8)
     assert rig.flag("XRDY") == 0
     rig.clock(1)
     assert rig.flag("XRDY") == 0
@@ -185,16 +185,16 @@ def test_only_the_own_address_with_r_makes_a_slave_transmitter(address, read, be
 @pytest.mark.rule("I2C-105")
 def test_from_receiver_to_transmitter_and_back():
     rig = addressed()
-    assert rig.deliver(0x01) == 0x01
+    assert rig.send_and_read(0x01) == 0x01
     assert rig.flag("SDIR") == 0
     rig.restart(OWN << 1 | 1)
     assert rig.flag("SDIR")
-    assert rig.give(0xEE, ack=False) == 0xEE
+    assert rig.write_and_read_byte(0xEE, ack=False) == 0xEE
     assert rig.flag("RRDY") == 0
     rig.restart()
     assert rig.flag("SDIR") == 0
     assert rig.send(OWN << 1)
-    assert rig.deliver(0x02) == 0x02
+    assert rig.send_and_read(0x02) == 0x02
 
 
 @pytest.mark.rule("I2C-107", "I2C-078", "I2C-075")
@@ -207,7 +207,7 @@ def test_every_byte_is_sent(bcm, data, bit):
     got = []
     for n, byte in enumerate(data):
         rig.write("I2CDXR", byte)
-        got.append(rig.take(ack=n + 1 < len(data)))
+        got.append(rig.read_byte(ack=n + 1 < len(data)))
     rig.stop()
     assert got == data
 
@@ -230,9 +230,9 @@ def test_sda_changes_only_while_scl_is_low():
 def test_short_bytes_are_the_low_bits_of_dxr(bc):
     rig = addressed(read=1, mode=bc)
     rig.write("I2CDXR", 0b1011_0101)
-    assert rig.take(bits=bc) == 0b1011_0101 & (1 << bc) - 1
+    assert rig.read_byte(bits=bc) == 0b1011_0101 & (1 << bc) - 1
     rig.write("I2CDXR", 0b0100_1010)
-    assert rig.take(ack=False, bits=bc) == 0b0100_1010 & (1 << bc) - 1
+    assert rig.read_byte(ack=False, bits=bc) == 0b0100_1010 & (1 << bc) - 1
 
 
 @pytest.mark.rule("I2C-072")
@@ -257,7 +257,7 @@ def test_an_empty_dxr_holds_scl_after_the_byte_until_it_is_written():
     rig.wait(BIT)
     assert not rig.stretching
     assert rig.flag("XSMT")
-    assert rig.take() == 0x11
+    assert rig.read_byte() == 0x11
     assert rig.stretching
     assert rig.status(XRDY | XSMT) == XRDY
     rig.wait(100 * BIT)
@@ -267,21 +267,21 @@ def test_an_empty_dxr_holds_scl_after_the_byte_until_it_is_written():
     rig.wait(BIT)
     assert not rig.stretching
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
-    assert rig.take(ack=False) == 0x22
+    assert rig.read_byte(ack=False) == 0x22
 
 
 @pytest.mark.rule("I2C-110")
 @pytest.mark.parametrize("previous", [0x11, 0xF0])
 def test_resend_previous_sends_the_last_byte_again(previous):
     rig = addressed(read=1, first=previous, tx_underflow_policy="resend_previous")
-    assert rig.take() == previous
+    assert rig.read_byte() == previous
     assert not rig.stretching
     assert rig.flag("XSMT") == 0
-    assert rig.take() == previous
+    assert rig.read_byte() == previous
     rig.write("I2CDXR", 0x22)
     assert rig.flag("XSMT")
-    rig.take()
-    assert rig.take(ack=False) == 0x22
+    rig.read_byte()
+    assert rig.read_byte(ack=False) == 0x22
 
 
 # BCM
@@ -309,7 +309,7 @@ def test_bcm_changes_no_flag_but_xrdy_and_xsmt_and_no_byte():
         trace = [rig.address(OWN, 1)]
         for byte in (0x12, 0x34):
             rig.write("I2CDXR", byte)
-            trace += [rig.take(ack=byte == 0x12), rig.status() & ~(XRDY | XSMT)]
+            trace += [rig.read_byte(ack=byte == 0x12), rig.status() & ~(XRDY | XSMT)]
         rig.stop()
         seen.append([*trace, rig.status() & ~(XRDY | XSMT)])
     assert seen[0] == seen[1]
@@ -370,7 +370,7 @@ def pointer_then_read(wait_for_sdir: bool, *, stop_between: bool, **options) -> 
     got = []
     for last in (False, False, True):
         poll()
-        got.append(rig.take(ack=not last))
+        got.append(rig.read_byte(ack=not last))
     rig.stop()
     return got
 

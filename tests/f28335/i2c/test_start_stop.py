@@ -44,7 +44,7 @@ def test_stp_of_an_addressed_slave_has_no_effect_on_the_bus():
     b.set("STP")
     assert b.drain(2) == [0x12, 0x34]
     b.run(4 * SLOT)
-    assert (b.foreign.heard, b.said()) == ("AAA", "S 50W A 12 A 34 A P")
+    assert (b.foreign.acknowledges, b.decoded()) == ("AAA", "S 50W A 12 A 34 A P")
 
 
 @rule("I2C-037", "I2C-038", "I2C-043", "I2C-145", "I2C-148", "I2C-206")
@@ -78,7 +78,7 @@ def test_the_waveform_of_one_byte_with_stop():
         SLOT // 5,
         start=start,
     )
-    assert b.said_at_stop() == "S 50W A 3a A P"
+    assert b.decoded_at_stop() == "S 50W A 3a A P"
 
 
 @rule("I2C-147")
@@ -106,7 +106,7 @@ def test_with_stp_a_stop_follows_the_last_counted_byte(count: int):
     b.run(SLOT)
     assert b.flags("STP MST BB SCD") == "STP MST BB"
     rise = b.stopped()
-    assert b.said() == " ".join(["S 50W A", *(f"{d:02x} A" for d in data), "P"])
+    assert b.decoded() == " ".join(["S 50W A", *(f"{d:02x} A" for d in data), "P"])
     assert b.edges[-1][1:] == (SDA, 1)
     assert rise - b.edges[-1].time < SLOT
     assert b.flags("STP MST BB SCD TRX") == "SCD TRX"
@@ -120,7 +120,7 @@ def test_without_stp_the_bus_is_kept_after_the_last_byte_and_ardy_is_set():
     assert not b.flag("ARDY")
     b.until(lambda: b.flag("ARDY"))
     assert b.held()
-    assert b.said() == "S 50W A 01 A 02 A"
+    assert b.decoded() == "S 50W A 01 A 02 A"
     assert b.flags("BB MST STP SCD NACK") == "BB MST"
 
 
@@ -130,7 +130,7 @@ def test_stp_alone_ends_a_kept_transfer_with_a_stop():
     b.send([1], extra="")
     b.after("ARDY")
     b.mode("MST TRX STP")
-    assert b.said_at_stop() == "S 50W A 01 A P"
+    assert b.decoded_at_stop() == "S 50W A 01 A P"
     assert b.flags("STP MST BB ARDY") == ""
 
 
@@ -140,7 +140,7 @@ def test_stp_alone_ends_a_kept_repeat_mode_transfer_with_a_stop():
     b.send([1], extra="RM")
     b.after("ARDY")
     b.mode("MST TRX RM STP")
-    assert b.said_at_stop() == "S 50W A 01 A P"
+    assert b.decoded_at_stop() == "S 50W A 01 A P"
 
 
 @rule("I2C-045", "I2C-049", "I2C-052")
@@ -170,9 +170,9 @@ def test_stp_set_during_the_address_takes_effect_after_the_bytes(count: int):
     b.mode("MST TRX STT", count=count)
     b.edge(SCL, 0, 4)
     b.set("STP")
-    assert b.said_after(20 * SLOT) == "S 50W A"
+    assert b.decoded_after(20 * SLOT) == "S 50W A"
     b.feed([7] * count)
-    assert b.said_at_stop() == "S 50W A " + "07 A " * count + "P"
+    assert b.decoded_at_stop() == "S 50W A " + "07 A " * count + "P"
 
 
 @rule("I2C-051", "I2C-058", "I2C-061", "I2C-076")
@@ -184,8 +184,8 @@ def test_repeat_mode_sends_without_limit_until_stp():
     assert b.held()
     assert b.target.got == data
     b.stop()
-    assert b.said().endswith(f"{data[-1]:02x} A P")
-    assert b.said().count("P") == b.said().count("S") == 1
+    assert b.decoded().endswith(f"{data[-1]:02x} A P")
+    assert b.decoded().count("P") == b.decoded().count("S") == 1
 
 
 # ---- repeated START ----------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ def test_stt_on_a_kept_bus_makes_a_repeated_start_for_another_slave_and_directio
     b.edge(SCL, 0)
     assert b.flags("BB STT ARDY AL") == "BB"
     assert b.drain(1) == [0xC5]
-    assert b.said_at_stop() == "S 50W A 10 A S 21R A c5 N P"
+    assert b.decoded_at_stop() == "S 50W A 10 A S 21R A c5 N P"
 
 
 @rule("I2C-061", "I2C-150", "I2C-152")
@@ -214,7 +214,7 @@ def test_stt_ends_a_repeat_mode_transfer_with_a_repeated_start():
     b.w("I2CSAR", 0x21)
     b.mode("MST TRX STT STP", count=1)
     b.feed([3])
-    assert b.said_at_stop() == "S 50W A 01 A 02 A S 21W A 03 A P"
+    assert b.decoded_at_stop() == "S 50W A 01 A 02 A S 21W A 03 A P"
 
 
 @rule("I2C-152", "I2C-340")
@@ -225,7 +225,7 @@ def test_bb_stays_1_during_a_repeated_start():
     while not b.flag("SCD"):
         assert b.flag("BB")
         b.run(25)
-    assert b.said() == "S 50W A 01 A S 50W A 02 A P"
+    assert b.decoded() == "S 50W A 01 A S 50W A 02 A P"
 
 
 @rule("I2C-153", "I2C-086", "I2C-152")
@@ -237,7 +237,7 @@ def test_repeated_start_with_ten_bit_addresses_changes_the_direction(how: str):
     b.send([0x11], extra="XA", until="ARDY")
     b.mode("MST STT STP XA", count=1)
     assert b.drain(1) == [0x99]
-    assert b.said_at_stop() == "S 7aW A 34 A 11 A S 7aR A 99 N P"
+    assert b.decoded_at_stop() == "S 7aW A 34 A 11 A S 7aR A 99 N P"
 
 
 @rule("I2C-153")
@@ -245,7 +245,7 @@ def test_repeated_start_in_the_free_data_format():
     b = Bench(Target(free="r"))
     b.send([0x11], extra="FDF", until="ARDY")
     b.send([0x22], extra="FDF STP")
-    assert b.said_at_stop(free=True) == "S 11 A S 22 A P"
+    assert b.decoded_at_stop(free=True) == "S 11 A S 22 A P"
 
 
 @rule("I2C-037", "I2C-040", "I2C-148", "I2C-208")
@@ -253,7 +253,7 @@ def test_a_new_transfer_can_follow_when_stp_reads_0():
     b = Bench(Target())
     b.write_all([1])
     b.write_all([2, 3])
-    assert b.said() == "S 50W A 01 A P S 50W A 02 A 03 A P"
+    assert b.decoded() == "S 50W A 01 A P S 50W A 02 A 03 A P"
     stop, start = (s.start for s in decode(b.edges)[5:7])
     assert start - stop >= HIGH
     assert not [e for e in b.edges if stop < e.time < start]
@@ -266,7 +266,7 @@ def test_a_new_transfer_can_follow_when_stp_reads_0():
 def test_stb_sends_a_start_byte_before_the_address():
     b = Bench(Target())
     b.send([0x12], extra="STP STB")
-    assert b.said_at_stop() == "S 00R N S 50W A 12 A P"
+    assert b.decoded_at_stop() == "S 00R N S 50W A 12 A P"
     assert b.flags("NACK BB STT") == ""
 
 
@@ -283,7 +283,7 @@ def test_stb_has_no_effect_on_a_slave(stb: str):
     b.mode(stb)
     assert b.drain(1) == [0x12]
     b.run(4 * SLOT)
-    assert (b.said(), b.foreign.heard) == ("S 50W A 12 A P", "AA")
+    assert (b.decoded(), b.foreign.acknowledges) == ("S 50W A 12 A P", "AA")
 
 
 @rule("I2C-063", "I2C-091")
@@ -292,7 +292,7 @@ def test_a_second_module_ignores_the_start_byte_and_answers_the_address():
     b.w("I2COAR", 0x50, b.s)
     b.send([0x12], extra="STP STB")
     assert b.drain(1, b.s) == [0x12]
-    assert b.said_at_stop() == "S 00R N S 50W A 12 A P"
+    assert b.decoded_at_stop() == "S 00R N S 50W A 12 A P"
 
 
 def test_i2cmdr_values_of_the_manual():
@@ -313,7 +313,7 @@ def test_the_reserved_combination_has_no_effect_on_a_kept_bus(rm: str):
     b.mode("MST TRX RM STT STP")
     assert b.held(20 * SLOT)
     b.mode("MST TRX STP " + rm)
-    assert b.said_at_stop() == "S 50W A 01 A P"
+    assert b.decoded_at_stop() == "S 50W A 01 A P"
 
 
 @rule("I2C-039", "I2C-041")
@@ -327,7 +327,7 @@ def test_stp_set_while_the_module_waits_for_data_does_not_end_the_wait(sent: int
     b.set("STP")
     assert b.held(20 * SLOT)
     b.w("I2CDXR", 2)
-    assert b.said_at_stop() == "S 50W A " + "01 A " * sent + "02 A P"
+    assert b.decoded_at_stop() == "S 50W A " + "01 A " * sent + "02 A P"
 
 
 @rule("I2C-061", "I2C-137")
@@ -337,7 +337,7 @@ def test_stp_set_while_a_repeat_mode_transfer_waits_for_data_ends_it_at_once():
     b.until(lambda: not b.flag("XSMT"))
     b.run(SLOT)
     b.stop()
-    assert b.said() == "S 50W A P"
+    assert b.decoded() == "S 50W A P"
 
 
 @rule("I2C-330", "I2C-331", "I2C-333")
@@ -368,9 +368,9 @@ def test_irs_0_at_any_time_releases_the_bus_and_the_next_transfer_is_correct(wha
         b.run(LOW // 2)
         b.pull(SDA)
         b.run(LOW // 2)
-        b.let_go(SCL)
+        b.release(SCL)
         b.run(HIGH)
-        b.let_go(SDA)
+        b.release(SDA)
         b.run(HIGH)
         free += b.level[SDA]
     assert b.quiet(4 * SLOT)
@@ -382,7 +382,7 @@ def test_irs_0_at_any_time_releases_the_bus_and_the_next_transfer_is_correct(wha
     since = b.now
     b.write_all([0x5A, 0xC3])
     assert b.read_all(1) == [0x9A]
-    assert b.said(since) == "S 50W A 5a A c3 A P S 50R A 9a N P"
+    assert b.decoded(since) == "S 50W A 5a A c3 A P S 50R A 9a N P"
 
 
 # ---- both lines in one cycle -------------------------------------------------------------------------

@@ -66,7 +66,7 @@ class PieRig(DiagramRig):
     def __init__(self, chip: Pie) -> None:
         self.chip = chip
         self.line = 0
-        self.asked = 0
+        self.requested = 0
 
     def drive(self, now: int, signal: str, level: int) -> None:
         if signal == "REQ":
@@ -83,11 +83,11 @@ class PieRig(DiagramRig):
             self.line = self.chip.vector(now, 9)[0]
 
     def run_until(self, time: int) -> None:
-        self.asked = len(pulses(self.chip))
+        self.requested = len(pulses(self.chip))
 
     def show(self, signal: str) -> int:
         if signal == "INT9":
-            return self.asked
+            return self.requested
         if signal == "PIEACK":
             return self.chip.peek(0, PIEACK.offset) >> 8 & 1
         return flags(self.chip, 9) if signal == "PIEIFR" else self.line

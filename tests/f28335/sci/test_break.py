@@ -9,7 +9,7 @@ from tests.f28335.sci_rig import SciRig, frame
 
 def broken() -> SciRig:
     """Return the rig of a module in FIFO mode after a break. The words received so far have been read."""
-    rig = SciRig(fifo=True).heard("0" * 25 + "1" * 3)
+    rig = SciRig(fifo=True).with_rxd("0" * 25 + "1" * 3)
     rig.received()
     return rig
 
@@ -27,21 +27,21 @@ def test_a_break_sets_fe_first_and_brkdt_ten_bits_later():
 @pytest.mark.rule("SCI-087")
 @pytest.mark.parametrize("bits", [10, 12, 15, 18, 19])
 def test_a_shorter_low_sets_no_brkdt(bits):
-    rig = SciRig().heard("0" * bits + "1" * 4)
+    rig = SciRig().with_rxd("0" * bits + "1" * 4)
     assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
 
 
 @pytest.mark.parametrize(("low", "noted"), [(10, 0), (11, 0), (12, 1), (13, 1), (19, 1), (21, 0)])
 def test_a_break_too_short_for_brkdt_is_noted_once_but_a_zero_of_a_slow_sender_is_not(low, noted):
-    rig = SciRig().heard("0" * low + "1" * 4 + frame(0x5A) + "1" * 12)
+    rig = SciRig().with_rxd("0" * low + "1" * 4 + frame(0x5A) + "1" * 12)
     assert [text for text in rig.notes("lost") if "rose before BRKDT" in text] == rig.notes("lost")
     assert (len(rig.notes("lost")), rig.get("BRKDT")) == (noted, low > 20)
 
 
 def test_no_short_break_is_noted_of_a_disabled_receiver_or_after_another_character():
-    rig = SciRig(RXENA=0).heard("0" * 13 + "1" * 20)
+    rig = SciRig(RXENA=0).with_rxd("0" * 13 + "1" * 20)
     assert rig.notes("lost") == []
-    rig = SciRig().heard("01" + "0" * 14 + "1" * 20)
+    rig = SciRig().with_rxd("01" + "0" * 14 + "1" * 20)
     assert (rig.notes("lost"), rig.get("FE")) == ([], 1)
 
 
@@ -49,7 +49,7 @@ def test_no_short_break_is_noted_of_a_disabled_receiver_or_after_another_charact
 @pytest.mark.parametrize(("fields", "frame_bits"), [({"SCICHAR": 4}, 7), ({"PARITYENA": 1, "PARITY": 1}, 11)])
 def test_the_ten_bits_begin_at_the_missing_stop_bit_of_any_format(fields, frame_bits):
     for low, brkdt in ((frame_bits + 9, 0), (frame_bits + 11, 1)):
-        rig = SciRig(**fields).heard("0" * low + "1" * 4)
+        rig = SciRig(**fields).with_rxd("0" * low + "1" * 4)
         assert (low, rig.get("BRKDT")) == (low, brkdt)
 
 
@@ -65,7 +65,7 @@ def test_one_high_sample_restarts_the_ten_bits():
 
 @pytest.mark.rule("SCI-088")
 def test_a_register_write_after_a_short_low_does_not_make_it_a_break():
-    rig = SciRig().heard("0" * 12 + "11")
+    rig = SciRig().with_rxd("0" * 12 + "11")
     rig.write("SCICCR", rig.peek("SCICCR"))
     rig.wait(12)
     assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
@@ -74,7 +74,7 @@ def test_a_register_write_after_a_short_low_does_not_make_it_a_break():
 @pytest.mark.rule("SCI-089")
 @pytest.mark.parametrize("bits", [25, 60, 200])
 def test_a_break_of_any_length_loads_only_the_character_with_fe(bits):
-    rig = SciRig(fifo=True).heard("0" * bits + "1" * 30)
+    rig = SciRig(fifo=True).with_rxd("0" * bits + "1" * 30)
     assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 1, "BRKDT": 1}
     assert rig.read("SCIRXBUF") & 0x80FF == 0x8000
 
@@ -82,7 +82,7 @@ def test_a_break_of_any_length_loads_only_the_character_with_fe(bits):
 @pytest.mark.rule("SCI-089")
 def test_brkdt_does_not_set_rxrdy():
     rig = SciRig()
-    rig.take("0" * 12)
+    rig.send_and_read("0" * 12)
     rig.send("0" * 13 + "1" * 20)
     assert rig.flags("BRKDT", "RXRDY", "OE") == {"BRKDT": 1, "RXRDY": 0, "OE": 0}
 
@@ -96,7 +96,7 @@ def test_after_a_break_nothing_is_received_and_brkdt_remains_1():
 
 @pytest.mark.rule("SCI-090", "SCI-092")
 def test_reads_and_writes_do_not_clear_brkdt():
-    rig = SciRig().heard("0" * 25 + "1")
+    rig = SciRig().with_rxd("0" * 25 + "1")
     for register in ("SCIRXBUF", "SCIRXST", "SCIRXEMU"):
         rig.read(register)
         rig.write(register, 0xFF)
@@ -106,7 +106,7 @@ def test_reads_and_writes_do_not_clear_brkdt():
 @pytest.mark.rule("SCI-090")
 def test_later_characters_do_not_clear_brkdt_even_if_they_are_received():
     rig = SciRig({"rx_after_break": "next_high"})
-    rig.take("0" * 25 + "1" * 3)
+    rig.send_and_read("0" * 25 + "1" * 3)
     rig.send(frame(0x4B) + "1")
     assert rig.flags("RXRDY", "RXDT", "BRKDT") == {"RXRDY": 1, "RXDT": 0x4B, "BRKDT": 1}
 
@@ -147,7 +147,7 @@ def test_after_a_break_autobaud_measures_the_rate_but_receives_nothing():
 
 @pytest.mark.rule("SCI-092", "SCI-093")
 def test_system_reset_ends_a_break_too():
-    rig = SciRig().heard("0" * 25 + "1" * 3)
+    rig = SciRig().with_rxd("0" * 25 + "1" * 3)
     rig.reset()
     assert rig.get("BRKDT") == 0
     rig.write("SCILBAUD", 24)
@@ -173,7 +173,7 @@ def test_brkdt_requests_rxint_by_rx_bk_int_ena(enabled, requests):
 @pytest.mark.rule("SCI-095")
 def test_a_break_is_detected_and_interrupts_in_sleep():
     rig = SciRig(RXBKINTENA=1)
-    rig.take(frame(0x11) * 2 + "1")
+    rig.send_and_read(frame(0x11) * 2 + "1")
     rig.set(SLEEP=1)
     before = rig.count("RXINT")
     rig.send("0" * 25 + "1")
@@ -183,7 +183,7 @@ def test_a_break_is_detected_and_interrupts_in_sleep():
 
 @pytest.mark.rule("SCI-095")
 def test_a_break_is_detected_in_sleep_in_address_bit_mode():
-    rig = SciRig(RXBKINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).heard("0" * 25 + "1")
+    rig = SciRig(RXBKINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).with_rxd("0" * 25 + "1")
     assert rig.flags("BRKDT", "RXRDY") == {"BRKDT": 1, "RXRDY": 0}
     assert rig.count("RXINT") == 1
 
@@ -196,7 +196,7 @@ def test_a_break_is_detected_in_sleep_in_address_bit_mode():
 def test_a_frame_is_like_a_break_if_all_its_bits_are_0(parity: str, parity_bit: str, all_zero: bool, data: int):
     """With `break_char_delivered` = no, only such a frame delivers no character; its error flags are set anyway."""
     fields = {"PARITYENA": int(parity != "none"), "PARITY": int(parity == "even")}
-    rig = SciRig({"break_char_delivered": False}, **fields).heard(
+    rig = SciRig({"break_char_delivered": False}, **fields).with_rxd(
         "0" + f"{data:08b}"[::-1] + parity_bit + "0" + "1" * 4
     )
     wrong = parity != "none" and (data.bit_count() + int(parity_bit) + (parity == "odd")) % 2

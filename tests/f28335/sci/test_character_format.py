@@ -84,7 +84,7 @@ def test_without_parity_the_bit_after_the_data_is_the_stop_bit():
 @pytest.mark.parametrize("address", [None, 0, 1])
 def test_parity_is_checked_over_data_and_address_bit(wanted, sent, bits, data, address):
     setting = (EVEN if wanted == "even" else ODD) | {"SCICHAR": bits - 1}
-    rig = SciRig(**setting, ADDRIDLE_MODE=int(address is not None)).heard(
+    rig = SciRig(**setting, ADDRIDLE_MODE=int(address is not None)).with_rxd(
         frame(data, bits, address=address, parity=sent) + "11"
     )
     assert rig.flags("RXRDY", "PE", "FE") == {"RXRDY": 1, "PE": int(wanted != sent), "FE": 0}
@@ -110,13 +110,13 @@ def test_only_the_first_stop_bit_is_checked(stop_bits):
 @pytest.mark.rule("SCI-025", "SCI-051")
 @pytest.mark.parametrize("stop_bits", [0, 1])
 def test_the_first_stop_bit_is_checked(stop_bits):
-    rig = SciRig(STOPBITS=stop_bits).heard("0 11010010 0 1")
+    rig = SciRig(STOPBITS=stop_bits).with_rxd("0 11010010 0 1")
     assert rig.get("FE") == 1
 
 
 @pytest.mark.rule("SCI-026")
 def test_the_address_bit_is_expected_after_the_data_and_before_the_parity():
-    rig = SciRig(**ADDRESS, **EVEN).heard("0 01010010 1 0 1 1")
+    rig = SciRig(**ADDRESS, **EVEN).with_rxd("0 01010010 1 0 1 1")
     assert rig.flags("RXRDY", "RXWAKE", "PE", "FE", "RXDT") == {"RXRDY": 1, "RXWAKE": 1, "PE": 0, "FE": 0, "RXDT": 0x4A}
 
 

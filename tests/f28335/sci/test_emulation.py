@@ -86,7 +86,7 @@ def test_after_the_suspension_all_waiting_words_are_sent(soft):
 
 @pytest.mark.rule("SCI-212")
 def test_a_debugger_reads_scirxemu_without_clearing_rxrdy():
-    rig = SciRig().heard(frame(0x4B) + "1")
+    rig = SciRig().with_rxd(frame(0x4B) + "1")
     rig.chip.suspend(rig.now, True)
     assert [rig.read("SCIRXEMU") for _ in range(3)] == [0x4B] * 3
     assert rig.get("RXRDY") == 1

@@ -44,7 +44,7 @@ def test_sciffena_turns_fifo_mode_on_and_off():
 
 @pytest.mark.rule("SCI-148")
 def test_fifo_mode_can_be_left_again():
-    rig = SciRig(fifo=True).heard(frame(0x11) + "1")
+    rig = SciRig(fifo=True).with_rxd(frame(0x11) + "1")
     rig.set(SCIFFENA=0)
     rig.send(frame(0x22) + "1")
     assert rig.flags("RXRDY", "RXDT") == {"RXRDY": 1, "RXDT": 0x22}
@@ -290,7 +290,7 @@ def test_scirxemu_reads_the_oldest_word_without_removing_it():
 
 @pytest.mark.rule("SCI-165", "SCI-169", "SCI-170")
 def test_each_word_carries_its_own_error_marks():
-    rig = SciRig(fifo=True, PARITYENA=1).heard(frame(0x11, parity="odd") + frame(0x22, parity="odd", bad="parity"))
+    rig = SciRig(fifo=True, PARITYENA=1).with_rxd(frame(0x11, parity="odd") + frame(0x22, parity="odd", bad="parity"))
     rig.send(frame(0x33, parity="odd", bad="stop") + "1" + frame(0x44, parity="odd"))
     rig.wait(1)
     assert rig.flags("SCIFFFE", "SCIFFPE") == {"SCIFFFE": 0, "SCIFFPE": 0}
@@ -299,7 +299,7 @@ def test_each_word_carries_its_own_error_marks():
 
 @pytest.mark.rule("SCI-171")
 def test_without_the_fifo_the_error_marks_read_0():
-    rig = SciRig(PARITYENA=1).heard(frame(0x33, parity="even", bad="stop") + "1")
+    rig = SciRig(PARITYENA=1).with_rxd(frame(0x33, parity="even", bad="stop") + "1")
     assert rig.flags("FE", "PE") == {"FE": 1, "PE": 1}
     assert rig.read("SCIRXBUF") == 0x0033
 
@@ -403,20 +403,20 @@ def test_rxffovf_requests_no_interrupt():
 @pytest.mark.rule("SCI-182", "SCI-141")
 @pytest.mark.parametrize("enabled", [0, 1])
 def test_in_fifo_mode_rxerror_requests_if_rx_err_int_ena_is_1(enabled):
-    rig = SciRig(fifo=True, RXERRINTENA=enabled, RXFFIENA=0, RXBKINTENA=0).heard(frame(0x11, bad="stop") + "1")
+    rig = SciRig(fifo=True, RXERRINTENA=enabled, RXFFIENA=0, RXBKINTENA=0).with_rxd(frame(0x11, bad="stop") + "1")
     assert (rig.get("RXERROR"), rig.count("RXINT")) == (1, enabled)
 
 
 @pytest.mark.rule("SCI-183")
 def test_in_fifo_mode_rx_bk_int_ena_enables_no_request_of_a_break():
-    rig = SciRig(fifo=True, RXBKINTENA=1).heard("0" * 25 + "1")
+    rig = SciRig(fifo=True, RXBKINTENA=1).with_rxd("0" * 25 + "1")
     assert (rig.get("BRKDT"), rig.count("RXINT")) == (1, 0)
 
 
 @pytest.mark.rule("SCI-183")
 def test_in_fifo_mode_rx_err_int_ena_enables_the_request_of_a_break():
     # in sleep, so that FE has not set RXERROR before
-    rig = SciRig(fifo=True, RXERRINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).heard("0" * 25 + "1")
+    rig = SciRig(fifo=True, RXERRINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).with_rxd("0" * 25 + "1")
     assert (rig.flags("BRKDT", "FE"), rig.count("RXINT")) == ({"BRKDT": 1, "FE": 0}, 1)
 
 
@@ -502,7 +502,7 @@ def test_in_standard_mode_there_is_no_delay():
 
 
 @pytest.mark.parametrize(
-    ("held", "told"),
+    ("held", "note"),
     [
         (
             {"TXFIFOXRESET": 0},
@@ -512,12 +512,12 @@ def test_in_standard_mode_there_is_no_delay():
         ({}, None),
     ],
 )
-def test_a_word_written_to_a_transmit_fifo_in_reset_is_lost_and_noted_each_time(held, told):
+def test_a_word_written_to_a_transmit_fifo_in_reset_is_lost_and_noted_each_time(held, note):
     rig = SciRig(fifo=True)
     rig.set(**held)
     rig.write("SCITXBUF", 0x55, 0x55)
-    assert rig.notes("lost") == ([told, told] if told else [])
-    assert rig.get("TXFFST") == (0 if told else 2)
+    assert rig.notes("lost") == ([note, note] if note else [])
+    assert rig.get("TXFFST") == (0 if note else 2)
     rig.set(TXFIFOXRESET=1, SCIRST=1)
     rig.wait(30)
-    assert bool(rig.edges) == (told is None)
+    assert bool(rig.edges) == (note is None)

@@ -49,7 +49,7 @@ def test_all_words_of_a_full_transmit_fifo_are_received_in_order():
 
 @pytest.mark.rule("SCI-135")
 def test_in_loop_back_the_pin_is_not_received():
-    rig = SciRig(LOOPBKENA=1).heard(frame(0x4B) + "111")
+    rig = SciRig(LOOPBKENA=1).with_rxd(frame(0x4B) + "111")
     assert rig.get("RXRDY") == 0
 
 

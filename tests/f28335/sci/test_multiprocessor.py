@@ -15,7 +15,7 @@ QUIET = "1" * 12  # more than the ten idle bits that begin a block
 
 @pytest.mark.rule("SCI-097")
 def test_idle_line_mode_has_no_address_bit():
-    rig = SciRig(fifo=True, ADDRIDLE_MODE=0).heard(frame(0x4B) + frame(0xA5) + "1")
+    rig = SciRig(fifo=True, ADDRIDLE_MODE=0).with_rxd(frame(0x4B) + frame(0xA5) + "1")
     assert rig.received() == [0x4B, 0xA5]
     assert rig.transmit(0x4B, 11) == levels("0 11010010 1 1")
 
@@ -24,7 +24,7 @@ def test_idle_line_mode_has_no_address_bit():
 @pytest.mark.parametrize(("idle", "address_frame"), [(0, 0), (1, 0), (5, 0), (9, 0), (10, 1), (11, 1), (40, 1)])
 def test_ten_idle_bits_make_the_next_frame_an_address_frame(idle, address_frame):
     rig = SciRig()
-    rig.take(frame(0x11))
+    rig.send_and_read(frame(0x11))
     rig.set(SLEEP=1)
     rig.send("1" * idle + frame(0x22))
     assert rig.flags("RXRDY") == {"RXRDY": address_frame}
@@ -33,7 +33,7 @@ def test_ten_idle_bits_make_the_next_frame_an_address_frame(idle, address_frame)
 @pytest.mark.rule("SCI-100")
 def test_rxwake_is_set_when_the_line_has_been_idle_for_ten_bits():
     rig = SciRig()
-    rig.take(frame(0x11))
+    rig.send_and_read(frame(0x11))
     rig.send("1" * 9)
     assert rig.get("RXWAKE") == 0
     rig.send("11")
@@ -60,7 +60,7 @@ def test_every_idle_line_sets_rxwake_again():
 def test_rxwake_is_not_set_while_frames_keep_coming():
     rig = SciRig()
     for data in range(8):
-        rig.take(frame(data) + "1" * 9)
+        rig.send_and_read(frame(data) + "1" * 9)
         assert rig.get("RXWAKE") == 0
 
 
@@ -68,7 +68,7 @@ def test_rxwake_is_not_set_while_frames_keep_coming():
 @pytest.mark.parametrize("fifo", [False, True])
 def test_the_first_byte_after_the_address_clears_rxwake_in_standard_mode_only(fifo):
     rig = SciRig(fifo=fifo)
-    rig.take(frame(0x11))
+    rig.send_and_read(frame(0x11))
     rig.send(QUIET + frame(0x22))
     assert rig.get("RXWAKE") == 1
     rig.send(frame(0x33))
@@ -79,7 +79,7 @@ def test_the_first_byte_after_the_address_clears_rxwake_in_standard_mode_only(fi
 @pytest.mark.parametrize("fifo", [False, True])
 def test_reading_scirxbuf_clears_rxwake(fifo):
     rig = SciRig(fifo=fifo)
-    rig.take(frame(0x11))
+    rig.send_and_read(frame(0x11))
     rig.send(QUIET + frame(0x22))
     assert rig.get("RXWAKE") == 1
     rig.read("SCIRXEMU")
@@ -96,7 +96,7 @@ def test_reading_scirxbuf_clears_rxwake(fifo):
     ],
 )
 def test_a_reset_clears_rxwake(reset):
-    rig = SciRig().heard(frame(0x11) + QUIET)
+    rig = SciRig().with_rxd(frame(0x11) + QUIET)
     assert rig.get("RXWAKE") == 1
     reset(rig)
     assert rig.get("RXWAKE") == 0
@@ -227,7 +227,7 @@ def test_txwake_set_while_a_frame_is_sent_counts_for_the_next():
 @pytest.mark.rule("SCI-115", "SCI-119")
 @pytest.mark.parametrize("bit", [0, 1])
 def test_rxwake_is_the_address_bit_of_the_character_in_the_buffer(bit):
-    rig = SciRig(**ADDRESS).heard(frame(0x11, address=1 - bit) + frame(0x22, address=bit) + "1")
+    rig = SciRig(**ADDRESS).with_rxd(frame(0x11, address=1 - bit) + frame(0x22, address=bit) + "1")
     assert rig.flags("RXWAKE", "RXDT") == {"RXWAKE": bit, "RXDT": 0x22}
 
 
@@ -235,7 +235,7 @@ def test_rxwake_is_the_address_bit_of_the_character_in_the_buffer(bit):
 @pytest.mark.parametrize("idle", [1, 9, 11, 50])
 def test_in_address_bit_mode_idle_time_has_no_meaning(idle):
     rig = SciRig(**ADDRESS)
-    rig.take(frame(0x11, address=0))
+    rig.send_and_read(frame(0x11, address=0))
     rig.set(SLEEP=1)
     rig.send("1" * idle)
     assert rig.get("RXWAKE") == 0
@@ -317,7 +317,7 @@ def test_idle_line_mode_tolerates_a_late_stop_bit():
 def asleep(**fields: int) -> SciRig:
     """Return a rig whose module has received a frame, which was read, and then went to sleep."""
     rig = SciRig(RXBKINTENA=1, RXERRINTENA=1, **fields)
-    rig.take(frame(0x11, address=1 if fields.get("ADDRIDLE_MODE") else None))
+    rig.send_and_read(frame(0x11, address=1 if fields.get("ADDRIDLE_MODE") else None))
     rig.set(SLEEP=1)
     return rig
 
@@ -339,7 +339,7 @@ def test_in_sleep_other_frames_have_no_effect(fields):
 @pytest.mark.rule("SCI-127")
 def test_in_sleep_a_wrong_parity_bit_is_not_reported():
     rig = SciRig(PARITYENA=1, PARITY=1)
-    rig.take(frame(0x11, parity="even"))
+    rig.send_and_read(frame(0x11, parity="even"))
     rig.set(SLEEP=1)
     rig.send(frame(0x22, parity="even", bad="parity") + "1")
     assert rig.flags("PE", "RXRDY") == {"PE": 0, "RXRDY": 0}
@@ -350,7 +350,7 @@ def test_in_sleep_a_wrong_parity_bit_is_not_reported():
 
 @pytest.mark.rule("SCI-129", "SCI-128")
 def test_in_sleep_the_fifo_stores_no_word():
-    rig = SciRig(fifo=True, RXFFIL=1, RXFFIENA=1, **ADDRESS, SLEEP=1).heard(frame(0x22, address=0) * 3 + "1")
+    rig = SciRig(fifo=True, RXFFIL=1, RXFFIENA=1, **ADDRESS, SLEEP=1).with_rxd(frame(0x22, address=0) * 3 + "1")
     assert rig.flags("RXFFST", "RXFFINT") == {"RXFFST": 0, "RXFFINT": 0}
     rig.send(frame(0x33, address=1) + "1")
     assert rig.flags("RXFFST", "RXFFINT") == {"RXFFST": 1, "RXFFINT": 1}
@@ -387,7 +387,7 @@ def test_in_sleep_a_frame_with_address_bit_1_is_received():
 @pytest.mark.rule("SCI-132", "SCI-134")
 @pytest.mark.parametrize("sleep", [0, 1])
 def test_only_software_and_system_reset_change_sleep(sleep):
-    rig = SciRig(SLEEP=sleep, **ADDRESS).heard(frame(0x22, address=1) + frame(0x33, address=0) + "0" * 30 + QUIET)
+    rig = SciRig(SLEEP=sleep, **ADDRESS).with_rxd(frame(0x22, address=1) + frame(0x33, address=0) + "0" * 30 + QUIET)
     assert rig.get("SLEEP") == sleep
     rig.set(SWRESET=0)
     assert rig.get("SLEEP") == sleep

@@ -61,7 +61,7 @@ def test_open_rx_int_extra(value):
     start_of_stop_bit(rig)
     ready = first(rig, "RXRDY", 1, 2 * rig.bit)
     rig.wait(1)
-    assert rig.asked["RXINT"] == [ready + value]
+    assert rig.requested["RXINT"] == [ready + value]
 
 
 @pytest.mark.rule("SCI-036")
@@ -210,7 +210,7 @@ def test_open_sleep_loads_buffer(value, loads):
 @pytest.mark.parametrize(("value", "while_idle"), [("tenth_bit", 1), ("next_character", 0)])
 def test_open_rxwake_idle_point(value, while_idle):
     rig = rig_with("rxwake_idle_point", value)
-    rig.take(frame(0x11))
+    rig.send_and_read(frame(0x11))
     rig.send("1" * 12)
     assert rig.get("RXWAKE") == while_idle
     rig.send(frame(0x22))
@@ -273,7 +273,7 @@ def test_open_rxffovf_interrupt(value, requests):
 def test_open_rxerr_int_mode(value, requests, fifo):
     rig = rig_with("rxerr_int_mode", value, RXERRINTENA=1, fifo=fifo)
     for _ in range(3):
-        rig.take(frame(0x11, bad="stop") + "1")
+        rig.send_and_read(frame(0x11, bad="stop") + "1")
     assert rig.count("RXINT") == requests
 
 
@@ -313,12 +313,12 @@ def test_open_fifo_int_mode(value, again):
 @pytest.mark.rule("SCI-157")
 def test_open_fifo_int_mode_edge_asks_for_each_word_that_leaves_an_empty_fifo():
     rig = rig_with("fifo_int_mode", "edge", fifo=True, TXFFIL=0, TXFFIENA=1)
-    asked = rig.count("TXINT")
+    requested = rig.count("TXINT")
     for words in (1, 2, 3):
         rig.set(TXFFINTCLR=1)
         assert rig.get("TXFFINT") == 0
         rig.put(0x55, 11)
-        assert (words, rig.get("TXFFINT"), rig.count("TXINT") - asked) == (words, 1, words)
+        assert (words, rig.get("TXFFINT"), rig.count("TXINT") - requested) == (words, 1, words)
 
 
 # Transmitter.

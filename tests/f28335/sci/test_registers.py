@@ -93,7 +93,7 @@ def test_writable_bits_read_back(register, kept):
 @pytest.mark.rule("SCI-007")
 @pytest.mark.parametrize("register", ["SCIRXST", "SCIRXEMU", "SCIRXBUF"])
 def test_the_registers_of_the_receiver_ignore_writes(register):
-    rig = SciRig().heard(frame(0x96) + frame(0x3C) + frame(0xA5, bad="stop") + "111")
+    rig = SciRig().with_rxd(frame(0x96) + frame(0x3C) + frame(0xA5, bad="stop") + "111")
     before = rig.peek(register)
     assert before != 0
     for value in (0x0000, 0xFFFF):
@@ -213,7 +213,7 @@ def test_scirxemu_has_the_value_of_scirxbuf():
 
 @pytest.mark.rule("SCI-011", "SCI-212")
 def test_reading_scirxemu_leaves_rxrdy_and_rxwake():
-    rig = SciRig(ADDRIDLE_MODE=1).heard(frame(0x5A, address=1) + "1")
+    rig = SciRig(ADDRIDLE_MODE=1).with_rxd(frame(0x5A, address=1) + "1")
     assert rig.read("SCIRXEMU") == 0x5A
     assert rig.flags("RXRDY", "RXWAKE") == {"RXRDY": 1, "RXWAKE": 1}
     assert rig.read("SCIRXBUF") == 0x5A
@@ -222,7 +222,7 @@ def test_reading_scirxemu_leaves_rxrdy_and_rxwake():
 
 @pytest.mark.rule("SCI-012")
 def test_system_reset_clears_the_receive_buffer():
-    rig = SciRig().heard(frame(0x5A) + "1")
+    rig = SciRig().with_rxd(frame(0x5A) + "1")
     assert rig.peek("SCIRXBUF") == 0x5A
     rig.reset()
     assert (rig.read("SCIRXBUF"), rig.read("SCIRXEMU")) == (0, 0)

@@ -139,7 +139,7 @@ def test_sw_reset_1_enables_both_directions():
 @pytest.mark.rule("SCI-208", "SCI-093")
 def test_after_a_break_reception_needs_an_sw_reset():
     rig = SciRig()
-    rig.take("0" * 25 + "1" * 5)
+    rig.send_and_read("0" * 25 + "1" * 5)
     rig.send(frame(0x11) + "1")
     assert rig.get("RXRDY") == 0
     rig.restart()

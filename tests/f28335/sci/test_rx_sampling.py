@@ -162,7 +162,7 @@ def test_frames_of_a_sender_with_a_rate_error_of_percents_are_received():
 @pytest.mark.rule("SCI-038")
 @pytest.mark.parametrize("second", range(0, 256, 5))
 def test_frames_without_a_gap_are_all_received(second):
-    rig = SciRig(brr=3, fifo=True).heard(frame(0x4B) + frame(second) + frame(0xFF) + frame(0x00) + "1")
+    rig = SciRig(brr=3, fifo=True).with_rxd(frame(0x4B) + frame(second) + frame(0xFF) + frame(0x00) + "1")
     assert rig.received() == [0x4B, second, 0xFF, 0x00]
 
 

@@ -56,7 +56,7 @@ class Sampler:
 
     def __init__(self, frame: SciFormat) -> None:
         self.frame = frame
-        self.told: list[tuple[int, int, int]] = []
+        self.received: list[tuple[int, int, int]] = []
         self.lows = 0
         self.highs = 0
         self.idle = False
@@ -90,7 +90,7 @@ class Sampler:
                 self.hunting = True
                 self.wait_high = sum(samples[stop + 3 : stop + 6]) < 2 and not level
             if age == stop + 7:
-                self.told.append((tick, *self._word(samples)))
+                self.received.append((tick, *self._word(samples)))
                 self.frames.remove((start, samples))
 
     def _word(self, samples: list[int]) -> tuple[int, int]:
@@ -106,9 +106,9 @@ class Sampler:
 @given(
     sciccr=st.sampled_from([0x07, 0x87, 0x27, 0x67, 0x04]),
     runs=st.lists(st.one_of(st.integers(1, 12), st.sampled_from([8, 16, 24, 40, 70])), max_size=60),
-    look=st.integers(1, 50),
+    interval=st.integers(1, 50),
 )
-def test_the_event_driven_receiver_equals_one_that_samples_every_sciclk(sciccr, runs, look):
+def test_the_event_driven_receiver_equals_one_that_samples_every_sciclk(sciccr, runs, interval):
     options = SciOptions(rx_after_break="next_high")
     frame = SciFormat(sciccr, options)
     lazy = SciRxBits(frame, options, set())
@@ -121,7 +121,7 @@ def test_the_event_driven_receiver_equals_one_that_samples_every_sciclk(sciccr, 
         edges[at] = level
         at += length
     edges.setdefault(at, 1)
-    told = []
+    received = []
     level = 1
     for tick in range(at + 200):
         level = edges.get(tick, level)
@@ -129,12 +129,12 @@ def test_the_event_driven_receiver_equals_one_that_samples_every_sciclk(sciccr, 
         if lazy.next_tick <= tick:
             while (event := lazy.step(tick)) != 0:
                 if event == FRAME:
-                    told.append((tick, lazy.word, 0))
+                    received.append((tick, lazy.word, 0))
                 assert event != IDLE
-        elif tick % look == 0:
+        elif tick % interval == 0:
             lazy.settle(tick)
         oracle.sample(tick, level)
-    assert told == oracle.told
+    assert received == oracle.received
 
 
 def test_one_byte_wakes_the_receiver_twice():

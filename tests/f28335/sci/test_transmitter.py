@@ -69,10 +69,10 @@ def test_txempty_rises_at_the_end_of_the_last_stop_bit(stop_bits, bits):
 @pytest.mark.rule("SCI-070")
 def test_txempty_requests_no_interrupt():
     rig = SciRig(TXINTENA=1).put(0x55, 2)
-    asked = rig.count("TXINT")
+    requested = rig.count("TXINT")
     rig.wait(20)
     assert rig.get("TXEMPTY") == 1
-    assert rig.count("TXINT") == asked
+    assert rig.count("TXINT") == requested
 
 
 @pytest.mark.parametrize(

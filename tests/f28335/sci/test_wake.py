@@ -53,13 +53,13 @@ def test_nothing_changes_in_a_cycle_without_input_or_due_wake_up(kind):
     before = (rig.chip.out, rig.chip.requests, registers(rig))
     while now < end:
         now += 1
-        asked = rig.chip.next_wake == now
+        requested = rig.chip.next_wake == now
         played = [row for row in due if row[0] == now]
         for _, signal, level in played:
             rig.drive(now, signal, level)
         rig.run_until(now)
         after = (rig.chip.out, rig.chip.requests, registers(rig))
-        assert after == before or asked or played, f"cycle {now}"
+        assert after == before or requested or played, f"cycle {now}"
         before = after
     assert len(rig.edges) > 10 or kind == "address bit"
 
@@ -74,12 +74,15 @@ def test_early_wake_ups_and_debugger_reads_change_nothing(kind, words):
             while rig is disturbed and rig.now + 7 < time:
                 rig.wait(cycles=7)
                 rig.chip.wake(rig.now)
-                rig.look()
+                rig.observe()
                 registers(rig)
             rig.drive(time, signal, level)
         rig.wait(30)
     assert disturbed.edges == quiet.edges
-    assert (disturbed.asked["RXINT"], disturbed.asked["TXINT"]) == (quiet.asked["RXINT"], quiet.asked["TXINT"])
+    assert (disturbed.requested["RXINT"], disturbed.requested["TXINT"]) == (
+        quiet.requested["RXINT"],
+        quiet.requested["TXINT"],
+    )
     assert registers(disturbed) == registers(quiet)
 
 
@@ -112,7 +115,7 @@ def test_an_access_includes_changes_due_in_its_cycle(kind):
         not_woken.now = now
         offset = SCI_MAP["SCIRXST"].offset
         assert not_woken.chip.read(now, offset) == woken.chip.read(now, offset)
-        not_woken.look()
+        not_woken.observe()
         assert registers(not_woken) == registers(woken)
         assert not_woken.chip.out == woken.chip.out
 
@@ -141,9 +144,12 @@ def test_early_wake_ups_and_debugger_reads_change_nothing_with_any_inputs(script
         while disturbed.now + nap < time:
             disturbed.wait(cycles=nap)
             disturbed.chip.wake(disturbed.now)
-            disturbed.look()
+            disturbed.observe()
             registers(disturbed)
         disturbed.drive(time, signal, level)
         assert registers(disturbed) == registers(quiet)
         assert disturbed.edges == quiet.edges
-        assert (disturbed.asked["RXINT"], disturbed.asked["TXINT"]) == (quiet.asked["RXINT"], quiet.asked["TXINT"])
+        assert (disturbed.requested["RXINT"], disturbed.requested["TXINT"]) == (
+            quiet.requested["RXINT"],
+            quiet.requested["TXINT"],
+        )

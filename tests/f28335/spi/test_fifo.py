@@ -88,7 +88,7 @@ def test_txfifo_0_leaves_the_character_that_is_being_sent():
 @pytest.mark.rule("SPI-062", "SPI-063", "SPI-064")
 def test_txffint_is_set_when_the_count_falls_to_the_level():
     rig = SpiRig(fifo=True, **LOOP, TXFFIL=1, TXFFIENA=1, SPIINTENA=1)
-    rig.asked["TXINT"].clear()  # the request at enabling the empty FIFO
+    rig.requested["TXINT"].clear()  # the request at enabling the empty FIFO
     rig.check(
         """
         > SPITXBUF    .  1  2  3 . . . . . . . . . . . .  .
@@ -112,16 +112,16 @@ def test_txffint_for_each_level(level):
         rig.set(TXFFINTCLR=1)
         seen.append(rig.flags("TXFFST", "TXFFINT"))
     assert seen == [{"TXFFST": n, "TXFFINT": int(n <= level)} for n in range(17)]
-    assert rig.asked["TXINT"] == []
+    assert rig.requested["TXINT"] == []
     rig.set(TXFFIENA=1)
-    assert len(rig.asked["TXINT"]) == (level >= 16)
+    assert len(rig.requested["TXINT"]) == (level >= 16)
 
 
 @pytest.mark.rule("SPI-064")
 def test_txffiena_set_together_with_spiffena_requests_at_once():
     rig = SpiRig()
     rig.write("SPIFFTX", 0xE020)
-    assert len(rig.asked["TXINT"]) == 1
+    assert len(rig.requested["TXINT"]) == 1
 
 
 @pytest.mark.rule("SPI-064", "SPI-069")
@@ -131,9 +131,9 @@ def test_fifo_mode_entered_with_a_flag_and_its_enable_requests(register, line, v
     send(rig, 1)
     rig.set(SPIFFENA=0)
     rig.write(register, value)
-    assert rig.asked[line] == []
+    assert rig.requested[line] == []
     rig.set(SPIFFENA=1)
-    assert rig.asked[line] == [rig.now]
+    assert rig.requested[line] == [rig.now]
 
 
 @pytest.mark.rule("SPI-065", "SPI-067", "SPI-068", "SPI-069", "SPI-073")
@@ -162,9 +162,9 @@ def test_rxffint_for_each_level(level):
         if word < 16:
             send(rig, word)
     assert seen == [{"RXFFST": n, "RXFFINT": int(n >= level)} for n in range(17)]
-    assert rig.asked["RXINT"] == []
+    assert rig.requested["RXINT"] == []
     rig.set(RXFFIENA=1)
-    assert len(rig.asked["RXINT"]) == (level <= 16)
+    assert len(rig.requested["RXINT"]) == (level <= 16)
 
 
 @pytest.mark.rule("SPI-065", "SPI-070", "SPI-071")
@@ -186,9 +186,9 @@ def test_the_first_word_is_lost_when_a_seventeenth_comes():
 def test_an_overflow_requests_rxint():
     rig = SpiRig(fifo=True, **LOOP, RXFFIENA=1)
     send(rig, *range(16))
-    assert rig.asked["RXINT"] == []
+    assert rig.requested["RXINT"] == []
     send(rig, 5)
-    assert len(rig.asked["RXINT"]) == 1
+    assert len(rig.requested["RXINT"]) == 1
 
 
 @pytest.mark.rule("SPI-066")

@@ -26,19 +26,19 @@ def test_int_flag_is_set_with_a_character_and_cleared_by_reading_it():
 def test_without_spiintena_nothing_is_requested():
     rig = SpiRig(**FOUR, OVERRUNINTENA=1)
     rig.send(0x5000, 5)
-    assert (rig.get("INT_FLAG"), rig.asked) == (1, {"RXINT": [], "TXINT": []})
+    assert (rig.get("INT_FLAG"), rig.requested) == (1, {"RXINT": [], "TXINT": []})
 
 
 @pytest.mark.rule("SPI-044")
 def test_spiintena_set_later_requests_at_once():
     rig = SpiRig(**FOUR)
     rig.set(SPIINTENA=1)
-    assert rig.asked["RXINT"] == []
+    assert rig.requested["RXINT"] == []
     rig.set(SPIINTENA=0)
     rig.send(0x5000, 5)
     rig.set(SPIINTENA=1)
     rig.set(OVERRUNINTENA=1)  # its flag is 0
-    assert rig.asked["RXINT"] == [rig.now]
+    assert rig.requested["RXINT"] == [rig.now]
 
 
 @pytest.mark.rule("SPI-043")
@@ -73,7 +73,7 @@ def test_further_overruns_request_nothing_until_the_flag_was_cleared():
     counts = []
     for clear in (0, 0, 0, 1, 0):
         rig.send(0x5000, 6)
-        counts.append(len(rig.asked["RXINT"]))
+        counts.append(len(rig.requested["RXINT"]))
         if clear:
             rig.write("SPISTS", 0x80)
     assert counts == [0, 1, 1, 1, 2]

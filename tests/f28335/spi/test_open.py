@@ -118,7 +118,7 @@ def test_open_int_flag_point(value, early):
         begin = rig.now + 1
         rig.write("SPITXBUF", *(word << 12 for word in (5, 6)))
         rig.wait(10)
-        flags.append([(at - begin) // HALF for at in rig.asked["RXINT"]])
+        flags.append([(at - begin) // HALF for at in rig.requested["RXINT"]])
         assert rig.flags("SPIRXBUF", "OVERRUN_FLAG") == {"SPIRXBUF": 6, "OVERRUN_FLAG": 1}
     assert flags == [[8], [8 - early]]
 
@@ -129,7 +129,7 @@ def test_open_int_request(value, requests):
     rig = rig_with("int_request", value, **LOOP, SPIINTENA=1)
     for _ in range(3):
         rig.send(0x5000, 6)
-    assert len(rig.asked["RXINT"]) == requests
+    assert len(rig.requested["RXINT"]) == requests
 
 
 @pytest.mark.rule("SPI-073")
@@ -138,10 +138,10 @@ def test_open_status_in_fifo_mode(value, status):
     rig = rig_with("status_in_fifo_mode", value, fifo=True, **LOOP, SPIINTENA=1, OVERRUNINTENA=1)
     for _ in range(2):
         rig.send(0x5000, 6)
-    assert (rig.peek("SPISTS"), rig.asked["RXINT"]) == (status, [])
+    assert (rig.peek("SPISTS"), rig.requested["RXINT"]) == (status, [])
     rig.set(SPIINTENA=0)
     rig.set(SPIINTENA=1)
-    assert rig.asked["RXINT"] == []
+    assert rig.requested["RXINT"] == []
 
 
 @pytest.mark.rule("SPI-062", "SPI-067")
@@ -151,7 +151,7 @@ def test_open_fifo_int_mode(value, flag):
     rig.send(0x5000, 6)
     rig.set(TXFFINTCLR=1, RXFFINTCLR=1)
     assert rig.flags("TXFFINT", "RXFFINT") == {"TXFFINT": flag, "RXFFINT": flag}
-    assert [len(rig.asked[line]) for line in ("TXINT", "RXINT")] == [1 + flag, 1 + flag]
+    assert [len(rig.requested[line]) for line in ("TXINT", "RXINT")] == [1 + flag, 1 + flag]
     rig.read("SPIRXBUF")
     rig.set(RXFFINTCLR=1)
     rig.send(0x5000, 6)
@@ -164,7 +164,7 @@ def test_open_rxffovf_interrupt(value, requests):
     rig = rig_with("rxffovf_interrupt", value, fifo=True, **LOOP, RXFFIENA=1)
     for _ in range(17):
         rig.send(0x5000, 6)
-    assert (rig.get("RXFFOVF"), len(rig.asked["RXINT"])) == (1, requests)
+    assert (rig.get("RXFFOVF"), len(rig.requested["RXINT"])) == (1, requests)
 
 
 # Buffers.

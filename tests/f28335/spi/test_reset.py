@@ -95,7 +95,7 @@ def test_after_a_system_reset_the_spi_is_a_slave_without_fifos_and_does_not_tran
     rig.wait(12.5)
     rig.pin(rig.now, STE=0)
     rig.chip.reset(rig.now)
-    rig.look()
+    rig.observe()
     assert (rig.chip.out, rig.chip.driven) == (0b1111, 0)
     assert rig.flags("MASTER_SLAVE", "TALK", "SPIFFENA", "SPISTS") == dict.fromkeys(
         ("MASTER_SLAVE", "TALK", "SPIFFENA", "SPISTS"), 0

@@ -68,7 +68,7 @@ def test_talk_0_leaves_somi_undriven_and_receives():
     rig.set(TALK=0)
     came += rig.clock("1001")
     assert came == [0] * 4 + [1] * 4
-    assert (rig.read("SPIRXBUF"), len(rig.asked["RXINT"])) == (0x69, 1)
+    assert (rig.read("SPIRXBUF"), len(rig.requested["RXINT"])) == (0x69, 1)
     rig.exchange(0x77)
     assert rig.read("SPIRXBUF") & 0xFF == 0x77
 

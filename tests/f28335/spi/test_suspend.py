@@ -53,7 +53,7 @@ def test_soft_1_sends_the_character_and_the_waiting_one(phase):
     rig.write("SPITXBUF", *(word << 12 for word in (5, 6)))
     rig.wait(1.2)
     rig.chip.suspend(rig.now, True)
-    rig.look()
+    rig.observe()
     rig.wait(12)
     assert rig.flags("SPIRXBUF", "OVERRUN_FLAG") == {"SPIRXBUF": 6, "OVERRUN_FLAG": 1}
     assert (rig.show("STE"), rig.show("CLK")) == (1, 0)

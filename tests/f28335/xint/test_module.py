@@ -23,7 +23,7 @@ def control(polarity: int, enable: int = 1) -> int:
 
 
 class Rig(DiagramRig):
-    """Rows: `XINTn` is a level, `ENABLE` that of all lines, `ask` the requests of a column, `CTR1` is XINT1CTR."""
+    """Rows: `XINTn` is a level, `ENABLE` that of all lines, `req` the requests of a column, `CTR1` is XINT1CTR."""
 
     def __init__(self, polarity: int) -> None:
         self.xint = Xint()
@@ -42,15 +42,15 @@ class Rig(DiagramRig):
 
     def run_until(self, time: int) -> None:
         self.now = time
-        self.asked, self.xint.requests = self.xint.requests, 0
+        self.requested, self.xint.requests = self.xint.requests, 0
 
     def show(self, signal: str) -> int:
-        return self.asked if signal == "ask" else self.xint.peek(self.now, XINT["XINT1CTR"].offset)
+        return self.requested if signal == "req" else self.xint.peek(self.now, XINT["XINT1CTR"].offset)
 
 
 @pytest.mark.rule("SYS-080")
 @pytest.mark.parametrize(
-    ("polarity", "asked"),
+    ("polarity", "requested"),
     [
         (FALLING, "0 . . 1 0 . . ."),
         (RISING, "0 1 0 . . 1 0 ."),
@@ -58,11 +58,11 @@ class Rig(DiagramRig):
         (BOTH, "0 1 0 1 0 1 0 ."),
     ],
 )
-def test_polarity_selects_the_edges(polarity, asked):
+def test_polarity_selects_the_edges(polarity, requested):
     Rig(polarity).check(f"""
         > ENABLE  1 . . . . . 0 .
         > XINT1   0 1 . 0 . 1 . 0
-        < ask     {asked}
+        < req     {requested}
     """)
 
 
@@ -71,7 +71,7 @@ def test_edges_of_a_disabled_line_request_nothing_then_or_later():
     Rig(BOTH).check("""
         > ENABLE  0 . . . 1 . .
         > XINT1   0 1 0 1 . 0 .
-        < ask     0 . . . . 1 0
+        < req     0 . . . . 1 0
     """)
 
 

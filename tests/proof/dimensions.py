@@ -39,7 +39,7 @@ PERIOD = Fraction(20, 1000)
 
 
 class Ran(NamedTuple):
-    """A round. phase, end_phase: the cycle of the wait's pass at its start and after its end."""
+    """A round. phase, end_phase: the cycle within a pass of the wait, at the start of the round and after its end."""
 
     phase: int
     requests: tuple[int, ...]
@@ -97,8 +97,8 @@ class Far(NamedTuple):
 
     share: percent of the requests that are near.
     kinds: number of combinations of a phase and the segments in which the requests come.
-    schedules: how many combinations have so many schedules.
-    revisits: number of rounds whose combination, and cycle of the request modulo PASS, a round before has had.
+    schedules: number of combinations by their number of schedules.
+    revisits: number of rounds with a combination, and a cycle of the request modulo PASS, of an earlier round.
     contradictions: number of such combinations with more than one schedule.
     """
 

@@ -1,8 +1,8 @@
 """Small cases whose rounds and frames start independently.
 
-`write_lonely`: the emulator of firmware/c28x/imu_hil.asm has another address than the one that the sensor head asks.
-So the firmware waits during the whole round, and the table has few groups. Its service routine drops the frame, which
-is faster than to read it.
+`write_lonely`: the emulator of firmware/c28x/imu_hil.asm has another address than the one to which the sensor head
+sends requests. So the firmware waits during the whole round, and the table has few groups. Its service routine drops
+the frame, which is faster than reading it.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def maker_of(job: Job, least_again: int = 200, on_estimate: Callable[[int, float
 def keep_a_tenth(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the meetings in which the round does not start at tick 0 of an orbit: nine of ten in `write_lonely`.
 
-    For tests of what happens with a table of any size. tests/proof/test_pair_table.py makes a whole one.
+    For tests that need a table of any size. tests/proof/test_pair_table.py makes a whole one.
     """
     all_tasks = PairMaker.tasks
 

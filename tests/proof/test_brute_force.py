@@ -34,13 +34,13 @@ FRAME = in_row("frames", Fraction(0), MS / 10)  # the frames of the listener
 EXAMPLES = settings(
     max_examples=4,
     derandomize=True,
-    phases=[Phase.generate],  # an example takes half a second, so none is made smaller
+    phases=[Phase.generate],  # an example takes half a second, so examples are not shrunk
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 
 
 def test_the_published_firmware_has_the_windows_of_brute_force() -> None:
-    """With a service routine of 200 us: ends of a hang and of missed rounds, the begin of a late response."""
+    """The service routine takes 200 us. The phases have ends of windows of a hang, missed rounds and late responses."""
     case, changes = TIMING / "imu_hil_published.toml", ['unit.dsp.settings.frame_cost="200 us"']
     alone = each_alone(case, changes, in_row("frames", 5 * MS, 20 * MS), range(3435, 3555))
     coverage = covered(case, changes, range(3435, 3555))

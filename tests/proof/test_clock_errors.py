@@ -1,4 +1,4 @@
-"""Proofs for all clocks of a controller within a range: which clocks differ, and what their tables show.
+"""Proofs for all clocks of a controller within a range: the clocks that differ, and the results of their tables.
 
 errors    -10 ...... -3.3 ... 3.3 ...... 10 ppm
 lengths   |  gap + 1  |   gap   |  gap - 1  |      ticks; one table for each combination
@@ -79,7 +79,7 @@ def test_a_range_with_too_many_clocks_is_refused(whole: tuple[Path, TableProof])
         clock_errors(load(whole[0], ["controller.clear_after=10 ms"]), Fraction(1000))
 
 
-def test_no_error_and_a_range_around_another_clock(whole: tuple[Path, TableProof]):
+def test_errors_of_an_empty_range_and_of_a_range_around_another_clock(whole: tuple[Path, TableProof]):
     case = load(whole[0], ["controller.ppm=50"])
     assert clock_errors(case, Fraction(0)) == [50]
     errors = clock_errors(case, Fraction(10))
@@ -143,7 +143,7 @@ def test_rounds_that_are_left_out_because_they_come_before_the_first_one_of_the_
     assert prove(Job(str(case)), Fraction(0)).not_proven()["reaction"] == "its `after` leaves out rounds of the table"
 
 
-def test_a_first_round_before_the_first_rest_and_a_case_without_a_controller(tmp_path: Path):
+def test_a_first_round_before_the_first_rest_and_a_case_without_a_controller_are_refused(tmp_path: Path):
     (tmp_path / "early").mkdir()
     with pytest.raises(NotClosed, match=r"^the first start is free, .*: make `first` more than 7\.0000 ms$"):
         prove(Job(str(write_slave(tmp_path / "early"))), WITHIN)

@@ -1,4 +1,4 @@
-"""Tables of states and starts: which cases close, what they show, and by what a table of too few states is noticed.
+"""Tables of states and starts: closed tables, their worst values, and contradictions in a table of too few states.
 
 The scene of most tests is the SCI echo at 100 MHz and 1.56 Mbit/s: SCICLK has a period of 8 cycles, a pass of the
 echo's wait one of 10, and a cycle has 10 ticks. So a period of the rest has 400 ticks.
@@ -151,7 +151,7 @@ def test_the_register_slave_has_a_closed_table():
     assert table.not_proven(case, table.apart) == {}
 
 
-# States that lack something ------------------------------------------------------
+# States without some parts ---------------------------------------------------------
 
 
 def without(names: Sequence[str]) -> Callable[..., NormalState]:
@@ -190,7 +190,7 @@ def test_a_phase_that_follows_from_the_rest_of_the_state_can_be_left_out(
     assert (table.orbits, worst_of(case, table)) == (whole[1].orbits, worst_of(*whole))
 
 
-# Refused --------------------------------------------------------------------------
+# Cases that are refused --------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -210,7 +210,7 @@ def test_a_phase_that_follows_from_the_rest_of_the_state_can_be_left_out(
         ("variants/image_sci_echo", (), "the bytes of the frames differ; add motion"),
     ],
 )
-def test_a_case_without_a_table_is_named(name: str, changes: tuple[str, ...], reason: str):
+def test_a_case_without_a_table_is_refused_with_the_reason(name: str, changes: tuple[str, ...], reason: str):
     with pytest.raises(NotClosed) as refused:
         made(TIMING / f"{name}.toml", *changes)
     assert str(refused.value).startswith(reason)

@@ -1,4 +1,4 @@
-"""Windows of failures, found with runs of many phases: each end to the phase.
+"""Windows of failures, found with runs of many phases; both ends are exact to the phase.
 
 phases    0 1 2 3 4 5 6 7 8 9
 failures        x x x             window 3 to 5
@@ -42,7 +42,7 @@ def within(ranges: Ranges, phase: int) -> bool:
 
 
 def at_once(ranges: Ranges, later: int = 0) -> Rule:
-    """The failure is noticed `later` periods after the one of the phase."""
+    """Return a rule by which a failure is noticed `later` periods after the period of its phase."""
     return lambda phases: any(within(ranges, phase) for phase in phases[: len(phases) - later])
 
 
@@ -66,8 +66,8 @@ class FakeEngine:
 
 
 def verdict(name: str, margin: float | None, word: str | None = None) -> Verdict:
-    said = word or ("not judged" if margin is None else "fail" if margin < 0 else "pass")
-    return Verdict(name, name, "us", margin, 0, margin, 1, said, 0.0)  # type: ignore[arg-type]
+    result = word or ("not judged" if margin is None else "fail" if margin < 0 else "pass")
+    return Verdict(name, name, "us", margin, 0, margin, 1, result, 0.0)  # type: ignore[arg-type]
 
 
 def covered(engine: FakeEngine, phases: Iterable[int] = range(COUNT), part: int = PART) -> tuple[Covered, list[Window]]:
@@ -134,21 +134,21 @@ def test_windows_at_the_bounds_are_not_closed() -> None:
     assert [(one.first, one.last, one.is_closed) for one in windows] == [(0, 30, False), (290, 299, False)]
 
 
-def test_two_windows_at_a_distance_of_a_phase_are_two() -> None:
+def test_windows_that_are_one_phase_apart_are_not_joined() -> None:
     """The phase between them is run, because it lies APART phases after the first failure."""
     found, windows = covered(FakeEngine(late=at_once([(50, 65), (67, 90)])))
     assert ends(windows) == [(50, 65), (67, 90)]
     assert 66 in found.held or found.failed[66] == frozenset()
 
 
-def test_a_window_over_several_parts_is_one() -> None:
+def test_a_window_in_several_parts_is_joined() -> None:
     found, windows = covered(FakeEngine(late=at_once([(20, 200)])), part=32)
     assert ends(windows) == [(20, 200)]
     assert windows[0].run == sum(bool(failures) for failures in found.failed.values()) >= (200 - 20) // APART
 
 
-def test_failures_that_only_drifting_has_are_reported_with_their_run() -> None:
-    """It fails from the fourth different phase of a run on, and never in a run with one phase."""
+def test_failures_that_occur_only_with_drifting_phases_are_reported_with_their_run() -> None:
+    """A run fails from its fourth different phase on, but never with only one phase."""
     engine = FakeEngine(tired=lambda phases: len(set(phases)) > 3)
     found, windows = covered(engine, range(10))
     assert windows == []
@@ -210,7 +210,7 @@ def window(name: str, first: int, last: int) -> Window:
 
 
 @given(st.integers(1, 40), st.integers(1, 40), st.booleans(), st.booleans())
-def test_windows_at_both_ends_of_the_period_are_one(begin: int, end: int, has_begin: bool, has_end: bool) -> None:
+def test_windows_at_both_ends_of_the_period_are_joined(begin: int, end: int, has_begin: bool, has_end: bool) -> None:
     """The neighbours of an end of the period are at the other end."""
     ranges = [(0, begin - 1)] * has_begin + [(COUNT - end, COUNT - 1)] * has_end
 
@@ -250,7 +250,7 @@ def test_windows_of_known_phases_end_beside_phases_that_hold(held: set[int], fai
         assert fails.isdisjoint({one.first - 1, one.last + 1} & set(range(41)))
 
 
-def test_windows_that_overlap_are_one_since_a_phase_in_them_only_held_while_the_phase_increased() -> None:
+def test_windows_that_overlap_are_joined_although_a_phase_in_them_held_while_the_phase_increased() -> None:
     """1: fails alone, h: held in a run in which the phase increases. Two groups extend to the same window.
 
     phase    10 11 12 13 14 15

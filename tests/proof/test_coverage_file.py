@@ -1,4 +1,4 @@
-"""Coverage files: what is written is read again, and only what a result depends on is named."""
+"""Coverage files: they are read as they were written, and name only files that a result depends on."""
 
 from __future__ import annotations
 
@@ -54,12 +54,12 @@ def test_a_file_with_failures_is_read_as_it_was_written_and_has_one_text(tmp_pat
 
 @given(st.sets(st.integers(0, 30)), st.sets(st.integers(0, 30)))
 def test_ranges_of_phases_have_the_chosen_phases_that_held(held: set[int], chosen: set[int]):
-    """A coverage that is continued begins with them."""
+    """A coverage that is continued begins with these phases."""
     assert from_ranges(to_ranges(sorted(held), sorted(chosen)), sorted(chosen)) == sorted(held & chosen)
 
 
-def test_the_command_that_ran_is_no_dependency(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Worker processes know the module `__main__` by another name, too."""
+def test_the_running_command_is_not_a_dependency(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """In worker processes the module `__main__` also has another name."""
     for name in ("__main__", "__mp_main__", "mine"):
         (tmp_path / f"{name}.py").touch()
         module = ModuleType(name)

@@ -1,4 +1,4 @@
-"""The files on which a coverage depends: those that were read, and none that the tool itself has made."""
+"""The files on which a coverage depends: those that were read, except files that the tool itself has made."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.scene.runs import TIMING
 
 
 def test_headers_of_c_sources_are_dependencies_and_compiled_files_are_not(tmp_path: Path) -> None:
-    """The compiler reads extra.inc, which neither the case nor a file named by it has as a name."""
+    """The compiler reads extra.inc, which the case does not name."""
     (tmp_path / "timing").mkdir()
     shutil.copytree(TIMING.parent / "firmware" / "c", tmp_path / "firmware" / "c")
     case = Path(shutil.copy(TIMING / "imu_hil_c.toml", tmp_path / "timing"))
@@ -65,7 +65,7 @@ def test_a_file_behind_a_link_and_a_parent_folder_is_a_dependency(tmp_path: Path
     assert depends.differences(tmp_path / "link") == ["../deep/image.asm has changed"]
 
 
-def test_a_new_file_that_could_be_read_instead_of_one_in_another_folder(tmp_path: Path) -> None:
+def test_a_new_file_that_could_be_read_instead_of_one_in_another_folder_is_a_difference(tmp_path: Path) -> None:
     for name in ("case/image.asm", "case/unread.inc", "shared/start.inc", "shared/unread.inc"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("; one\n", encoding="utf-8")
@@ -80,8 +80,8 @@ def test_a_new_file_that_could_be_read_instead_of_one_in_another_folder(tmp_path
     assert depends.differences(case) == ["start.inc is new"]
 
 
-def test_a_nearer_project(tmp_path: Path) -> None:
-    """Its plugins can change what names in the case mean."""
+def test_a_nearer_project_is_a_difference(tmp_path: Path) -> None:
+    """Plugins of the project can change the meaning of names in the case."""
     (tmp_path / "site").mkdir()
     (tmp_path / "site" / "case.toml").touch()
     depends = dependencies(tmp_path / "site", [tmp_path / "site" / "case.toml"])

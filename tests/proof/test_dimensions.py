@@ -53,6 +53,6 @@ def test_without_requests_and_with_equal_clocks_a_round_has_one_schedule_for_eac
     assert len({(one.phase, one.schedule) for one in rounds}) == len({one.phase for one in rounds}) == 10
 
 
-def test_with_the_shipped_clocks_it_has_more():
+def test_with_the_shipped_clocks_a_round_has_more_schedules():
     rounds = ran(TIMING / "imu_hil.toml", 100, 0, 1, FIXED_COST)
     assert len({one.schedule for one in rounds}) > 15

@@ -1,4 +1,4 @@
-"""Search of the cells of frames, with a runner that only gives answers: a cycle has one tick, an orbit eight."""
+"""Search for the cells of frames with a fake runner, in which a cycle has one tick and an orbit has eight."""
 
 from __future__ import annotations
 

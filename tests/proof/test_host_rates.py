@@ -1,4 +1,4 @@
-"""Rates of the host: which sequences of samples they have, and which of them are proven."""
+"""Rates of the host: their sequences of samples, and proofs for a range of rates."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def samples_of(places: list[Fraction], bit: Fraction, start: int, sample: int) -
 def test_each_sequence_of_each_rate_and_start_is_run(
     steps: list[int], parts: int, least: Fraction, more: Fraction, sample: int, data: st.DataObject
 ) -> None:
-    """Any rate in the range, not only those at which an edge moves, has no other sequence."""
+    """Rates between those at which an edge moves are checked, too: they have no further sequence."""
     places = [Fraction(0), *(Fraction(step, parts) for step in sorted(steps))]
     first = data.draw(st.integers(0, sample - 1))
     runs = list(rate_runs(places, (least, least + more), sample, first))
@@ -106,13 +106,13 @@ def test_groups_that_are_run_again_are_shared_among_the_rates_with_starts(tmp_pa
 
 @pytest.fixture(autouse=True)
 def tables_repeat_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few groups are run to explore a table, and again; test_pair_table has the numbers of a whole one."""
+    """Run few groups to explore a table, and again; test_pair_table uses the numbers of a whole table."""
     monkeypatch.setattr(pair_table, "TIMED", 20)
     monkeypatch.setattr(table_proof, "LEAST_REVISITED", 10)
 
 
 class Planned(NamedTuple):
-    """A plan of rates, and what is necessary to run it. The table is explored, but not closed."""
+    """A plan of rates, and the objects that run it. The table is explored, but not closed."""
 
     maker: PairMaker
     job: Job
@@ -204,7 +204,7 @@ look:     TBIT  @GPADAT+1,#12
 
 @compiled_only
 def test_both_ends_of_a_range_of_starts_are_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As if all starts had one sequence of samples: the last start has its request at another sample than the first."""
+    """All starts are treated as one sequence of samples, although the last has its request at another sample."""
     real = rate_runs
 
     def too_wide(*given: Any) -> list[Any]:
@@ -235,7 +235,7 @@ def test_a_frame_can_start_long_before_or_after_its_cell(tmp_path: Path) -> None
 
 @compiled_only
 def test_a_request_with_an_earlier_character_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As if a character had nine bits: the last one would begin before the request is over."""
+    """With characters of nine bits, the last one would begin before the request is over."""
     monkeypatch.setattr(host_rates, "UartFormat", lambda: UartFormat(bits=7))
     with pytest.raises(NotClosed, match="not requested with the last character of a frame"):
         planned(tmp_path, 60)

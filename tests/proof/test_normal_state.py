@@ -1,7 +1,7 @@
-"""Normal form of states: what it leaves out has no effect on what follows, and what it keeps differs where it matters.
+"""Normal form of states: values that it leaves out have no effect on later records.
 
 snapshot --> scene A                                       .--> records of A
-         '-> scene B, with other values of what is left out +--> records of B: equal
+         '-> scene B, with other values that are left out   +--> records of B: equal
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ IMAGES = {
     "variants/image_eeprom": ([], 20),
     "variants/image_rtc": ([], 12),
 }
-# Numbers of which only the difference from another number has an effect, and the normal form contains it.
+# Numbers that have an effect only by their difference from another number, which the normal form contains.
 IN_PAIRS = ("routes_version", "out_version", "writes", "_tick", "_passes")
 AHEAD = 25  # ms for which two scenes are compared
 
@@ -42,7 +42,7 @@ def case_of(name: str) -> Case:
 
 
 class LeftOut(NormalCollector):
-    """Collects what the normal form leaves out: (name, object, attribute, True for an instant)."""
+    """Collector of values that the normal form leaves out: (name, object, attribute, True for an instant)."""
 
     def __init__(self, scene: Scene) -> None:
         self.found: list[tuple[str, object, str, bool]] = []
@@ -99,7 +99,7 @@ def records_of(case: Case, snapshot: Snapshot, change: Callable[[Scene], object]
 
 
 @pytest.mark.parametrize("name", IMAGES)
-def test_what_the_normal_form_leaves_out_has_no_effect(name: str):
+def test_values_that_the_normal_form_leaves_out_have_no_effect(name: str):
     case, random = case_of(name), Random(name)
     until = IMAGES[name][1]
     instants = sorted(random.sample(range(5000, until * 1000), 8))

@@ -1,4 +1,4 @@
-"""Frames with other data: what firmware does with data, and whether a table holds for any data.
+"""Frames with other data: uses of data by firmware, and whether a table holds for any data.
 
 SCIRXBUF --> SCITXBUF                  any data
 SCIRXBUF --> branch, index, RPT        the data of the case only

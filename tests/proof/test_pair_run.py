@@ -1,4 +1,4 @@
-"""Runs of groups: what of a run of a scene reaches the table."""
+"""Runs of groups: the results of a scene's run that are added to the table."""
 
 from __future__ import annotations
 

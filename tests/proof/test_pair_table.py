@@ -1,4 +1,4 @@
-"""Tables of cases whose rounds and frames start independently: which close, and by what false ones are noticed.
+"""Tables of cases whose rounds and frames start independently: closed tables, and detection of wrong ones.
 
 The scene of most tests is `write_lonely` at 100 MHz: a sample of the SCI's line lasts 8 cycles, a pass of the wait 10,
 and a cycle has 10 ticks.
@@ -73,7 +73,7 @@ def whole(job: Job) -> TableProof:
 
 @pytest.fixture(autouse=True)
 def few_groups_are_explored(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`whole` is made before this, with the number of the command."""
+    """Explore few groups. `whole` is made before this fixture, with the number of groups of the command."""
     monkeypatch.setattr(pair_table, "TIMED", 20)
 
 
@@ -95,7 +95,7 @@ def worst_of(made: TableProof, name: str) -> float:
 
 
 @compiled_only
-def test_few_groups_stand_for_all_meetings_of_a_round_and_a_frame(whole: TableProof):
+def test_few_groups_represent_all_meetings_of_a_round_and_a_frame(whole: TableProof):
     assert not whole.has_failed
     assert 1000 < whole.entries < whole.entry_count / 100
     assert whole.again >= 200
@@ -146,7 +146,7 @@ def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: Tabl
         ("controller.ppm=-400", tuple(range(10))),  # SCL is low for 1251 ticks
     ],
 )
-def test_rounds_that_stand_for_those_at_all_ticks_of_a_cycle(change: str, offsets: tuple[int, ...], tmp_path: Path):
+def test_offsets_of_rounds_that_represent_all_ticks_of_a_cycle(change: str, offsets: tuple[int, ...], tmp_path: Path):
     assert round_offsets(CoveredCase(Job(str(write_lonely(tmp_path)), (change,))), 10) == offsets
 
 
@@ -222,7 +222,7 @@ def test_starts_that_are_closer_than_those_of_the_table_are_not_proven(tmp_path:
 # Groups ------------------------------------------------------------------------------
 
 
-def test_frames_of_one_sample_are_received_alike(tmp_path: Path):
+def test_frames_within_one_sample_have_equal_runs(tmp_path: Path):
     runner = runner_of(write_lonely(tmp_path))
     assert runner.cells is not None
     assert (runner.cells.period, runner.orbits.own * runner.cycle) == (SAMPLE, PASS)
@@ -462,7 +462,7 @@ def test_the_longest_group_determines_the_least_distance_of_starts(tmp_path: Pat
     assert maker.make().apart == 1234 + 1 + 7
 
 
-def test_what_runs_of_groups_say_of_budgets_is_in_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_results_of_budgets_in_runs_of_groups_are_in_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """A run judges no budget that lacks values in a round of a kind, or that has no value in all kinds of groups."""
     maker = invented(tmp_path, monkeypatch, lambda task: LIKE)
     one, two = done_of([]), done_of([])
@@ -487,7 +487,7 @@ def test_an_orbit_that_two_calls_find_is_added_once(tmp_path: Path, monkeypatch:
     assert maker.known.ways == {0: {1: Group(0, None)}}
 
 
-# Noticed -----------------------------------------------------------------------------
+# Wrong tables that are noticed --------------------------------------------------------
 
 
 def wrong_cells(by: int) -> Callable[[GroupRunner], Cells]:
@@ -519,7 +519,7 @@ def test_an_effect_of_a_frame_within_a_wait_is_noticed(tmp_path: Path):
         prove(Job(str(path)))
 
 
-# Refused -----------------------------------------------------------------------------
+# Cases that are refused ---------------------------------------------------------------
 
 ACK = "          MOV   @PIEACK,#0x100    ; group 9\n"
 WAIT = "asked:    TBIT  @I2CSTR,#AAS\n"

@@ -43,7 +43,7 @@ def test_with_host_and_controller_the_frames_move_in_the_rounds() -> None:
     assert end == inputs.frames[-1] + 20 * MS - Fraction(1, 3_000_000_000)
 
 
-def test_with_one_of_them_its_own_starts_move_from_their_times_in_the_case() -> None:
+def test_with_host_or_controller_alone_its_starts_move_from_their_times_in_the_case() -> None:
     rounds = phases(controller={**REQUEST, "first": "7 ms"}).inputs([0])[0].rounds
     frames = phases(host={"first": "7 ms"}).inputs([0])[0].frames
     assert rounds is not None and frames is not None

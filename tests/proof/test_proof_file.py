@@ -1,4 +1,4 @@
-"""The saved proof of a case: what it contains, and what ends it.
+"""The saved proof of a case: its contents, and the changes that end it.
 
 table --> proofs/slave.json --> proven budgets, as long as the case, its firmware and periph_sim are as they were
 """
@@ -44,13 +44,13 @@ def test_the_command_that_renews_a_proof_has_its_ranges(desk: tuple[Path, ProofF
     assert "within 5 ppm, and all bit rates of the host within 12.3456789 ppm" in wide.line
 
 
-def test_what_is_read_is_what_was_written(desk: tuple[Path, ProofFile]):
+def test_a_proof_is_read_as_it_was_written(desk: tuple[Path, ProofFile]):
     case, proof = desk
     assert current(case) == (proof, [])
     assert text_of(proof) == proof_path(case).read_text(encoding="utf-8")
 
 
-def test_the_starts_of_a_worst_value_give_it_again(desk: tuple[Path, ProofFile]):
+def test_a_run_with_the_starts_of_a_worst_value_has_it_again(desk: tuple[Path, ProofFile]):
     case, proof = desk
     covered = CoveredCase(Job(str(case)))
     for name, proven in proof.proven.items():
@@ -81,12 +81,12 @@ def test_a_copied_proof_is_of_the_case_from_which_it_was_copied(desk: tuple[Path
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"version": 2}', "not JSON", "\0"])
-def test_a_file_that_is_no_proof_is_named(text: str, tmp_path: Path):
+def test_a_file_that_is_not_a_proof_is_refused(text: str, tmp_path: Path):
     path = tmp_path / "slave.json"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadSavedFile, match=r"is no proof of this version of periph-sim .*; write it again with prove"):
         read(path)
 
 
-def test_a_case_without_a_proof(tmp_path: Path):
+def test_a_case_without_a_saved_proof_has_none(tmp_path: Path):
     assert current(tmp_path / "slave.toml") is None

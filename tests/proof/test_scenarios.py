@@ -1,4 +1,4 @@
-"""Values from a closed table: those of ordinary runs with the same starts, round by round.
+"""Values from a closed table are those of ordinary runs with the same starts, round by round.
 
 starts, drawn from seeds or not --table--> values [scenario, round]
                                 --Scene--> kept values of the budget, by round
@@ -168,7 +168,7 @@ def test_without_jitter_all_seeds_have_the_starts_of_the_case(echo: tuple[Path, 
     assert np.array_equal(values[0], in_run(load(case), starts[0], "echo"))
 
 
-def test_starts_of_seeds_that_the_case_does_not_have(delayed: tuple[Path, Scenarios], tmp_path: Path):
+def test_starts_of_seeds_that_the_case_does_not_have_are_refused(delayed: tuple[Path, Scenarios], tmp_path: Path):
     case, scenarios = delayed
     with pytest.raises(ValueError, match=r"^rounds: 0; expected 1 or more$"):
         scenarios.starts([1], 0)
@@ -180,7 +180,7 @@ def test_starts_of_seeds_that_the_case_does_not_have(delayed: tuple[Path, Scenar
         limited.starts([1], 4)
 
 
-def test_more_scenarios_are_as_good_as_fewer(echo: tuple[Path, Scenarios]):
+def test_values_do_not_depend_on_the_number_of_scenarios(echo: tuple[Path, Scenarios]):
     _, scenarios = echo
     starts = drawn(scenarios, 5000, 3)
     values = scenarios.values(starts)["echo"]
@@ -204,7 +204,9 @@ def test_a_budget_without_values_is_left_out(tmp_path: Path):
         ([[1, 2]], "a first start is not at tick "),
     ],
 )
-def test_starts_that_the_table_does_not_cover(starts: NDArray[np.int64], reason: str, echo: tuple[Path, Scenarios]):
+def test_starts_that_the_table_does_not_cover_are_refused(
+    starts: NDArray[np.int64], reason: str, echo: tuple[Path, Scenarios]
+):
     with pytest.raises(ValueError, match=f"^starts: .*{reason}"):
         echo[1].values(starts)
 
@@ -214,14 +216,14 @@ def test_seeds_are_integers(echo: tuple[Path, Scenarios]):
         echo[1].starts([1.5], 3)  # type: ignore[list-item]
 
 
-def test_first_starts_that_are_free(delayed: tuple[Path, Scenarios]):
+def test_a_free_first_start_may_be_later_but_not_earlier(delayed: tuple[Path, Scenarios]):
     scenarios = delayed[1]
     assert scenarios.values(np.array([[scenarios.first], [scenarios.first + 12345]]))["echo"].shape == (2, 1)
     with pytest.raises(ValueError, match=f"^starts: a first start is before tick {scenarios.first}, where"):
         scenarios.values(np.array([[scenarios.first], [scenarios.first - 1]]))
 
 
-def test_starts_that_are_too_close(echo: tuple[Path, Scenarios]):
+def test_starts_that_are_too_close_are_refused(echo: tuple[Path, Scenarios]):
     scenarios = echo[1]
     starts = np.array([[scenarios.first, scenarios.first + scenarios.apart - 1]])
     with pytest.raises(ValueError, match=f"the starts [0-9] and [0-9] are less than {scenarios.apart} ticks apart"):
@@ -229,7 +231,7 @@ def test_starts_that_are_too_close(echo: tuple[Path, Scenarios]):
     assert scenarios.values(np.add(starts, [[0, 1]]))["echo"].shape == (1, 2)
 
 
-def test_a_case_without_a_table_and_one_that_breaks_a_budget(tmp_path: Path):
+def test_a_case_without_a_table_and_one_that_breaks_a_budget_are_refused(tmp_path: Path):
     with pytest.raises(BadCase, match=r"^responder has no closed table: unit dsp runs no image"):
         Scenarios(TIMING / "responder.toml")
     with pytest.raises(BadCase, match=r"^fast_echo: echo failed in a run of its table; "):

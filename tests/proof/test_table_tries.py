@@ -191,7 +191,7 @@ def judge(occasions: list[tuple[int, int]], coverage: Fraction = Fraction(9, 10)
         ([(0, 0), (0, 0)], False),
     ],
 )
-def test_one_round_with_too_few_values_is_enough(occasions: list[tuple[int, int]], lacking: bool):
+def test_a_budget_lacks_values_if_one_round_has_too_few(occasions: list[tuple[int, int]], lacking: bool):
     """A run with many rounds is judged although one of them has no value, but a run of only such rounds is not."""
     measures = MeasuresAtRest(cast(Any, [judge(occasions)]))
     for now in range(len(occasions)):
@@ -302,7 +302,7 @@ def test_a_first_start_at_the_start_of_the_run_is_refused(tmp_path: Path):
         made(write_echo(tmp_path), "host.first=0 s")
 
 
-# Refused ----------------------------------------------------------------------------
+# Cases that are refused ---------------------------------------------------------------
 
 GIVES_UP = """again:    TBIT  @SCIRXST,#RXRDY
           SB    got,TC

@@ -40,7 +40,7 @@ def test_a_frame_is_six_values_low_byte_first():
     assert encode((1, -2, 0x1234, -0x8000, 0x7FFF, 0)) == bytes.fromhex("0100 feff 3412 0080 ff7f 0000")
 
 
-def test_a_value_that_does_not_fit_is_refused():
+def test_a_value_beyond_16_bits_is_rejected():
     with pytest.raises(OverflowError):
         encode((0x8000, 0, 0, 0, 0, 0))
 

@@ -38,53 +38,53 @@ class HeadRig:
 
 
 def test_rounds_begin_every_period_and_requests_follow_after_the_gap():
-    desk = HeadRig(Schedule(first=100, period=2000, gap=50, rounds=2), [PLAIN, PLAIN])
-    rounds = desk.run(10_000)
+    head_rig = HeadRig(Schedule(first=100, period=2000, gap=50, rounds=2), [PLAIN, PLAIN])
+    rounds = head_rig.run(10_000)
     assert [(r.number, r.due, r.start, r.end) for r in rounds] == [
         (1, 100, 100, 100 + 2 * NACKED + 50),
         (2, 2100, 2100, 2100 + 2 * NACKED + 50),
     ]
     assert [(r.transfers, r.nacked) for r in rounds] == [(2, 2)] * 2
-    assert [t.phases[0].start_at for t in desk.transfers] == [100, 550, 2100, 2550]
-    assert desk.head.who == desk.rig.controller.who
+    assert [t.phases[0].start_at for t in head_rig.transfers] == [100, 550, 2100, 2550]
+    assert head_rig.head.who == head_rig.rig.controller.who
 
 
 def test_a_gap_is_at_least_the_bus_free_time():
-    desk = HeadRig(Schedule(first=0, period=5000, gap=1, rounds=1), [PLAIN, PLAIN])
-    desk.run(5000)
-    assert desk.transfers[1].phases[0].start_at == NACKED + TIMING.free
+    head_rig = HeadRig(Schedule(first=0, period=5000, gap=1, rounds=1), [PLAIN, PLAIN])
+    head_rig.run(5000)
+    assert head_rig.transfers[1].phases[0].start_at == NACKED + TIMING.free
 
 
 def test_a_round_due_while_the_last_one_is_running_is_missed():
-    desk = HeadRig(Schedule(first=0, period=NACKED - 1, gap=0, rounds=5), [PLAIN])
-    rounds = desk.run(10_000)
+    head_rig = HeadRig(Schedule(first=0, period=NACKED - 1, gap=0, rounds=5), [PLAIN])
+    rounds = head_rig.run(10_000)
     assert [r.number for r in rounds] == [1, 3, 5]
-    assert (desk.head.missed, desk.head.rounds) == (2, 3)
-    assert desk.dues == [number * (NACKED - 1) for number in range(5)]
-    assert desk.missed == [NACKED - 1, 3 * (NACKED - 1)]
+    assert (head_rig.head.missed, head_rig.head.rounds) == (2, 3)
+    assert head_rig.dues == [number * (NACKED - 1) for number in range(5)]
+    assert head_rig.missed == [NACKED - 1, 3 * (NACKED - 1)]
 
 
 @pytest.mark.parametrize(("more", "begin", "missed"), [({}, 2000, 1), ({"ahead": 4 * NACKED}, 2000 - 4 * NACKED, 0)])
 def test_the_set_up_of_chips_before_the_first_round_is_not_a_round(more: dict[str, int], begin: int, missed: int):
-    desk = HeadRig(
+    head_rig = HeadRig(
         Schedule(first=2000, period=4000, gap=0, rounds=2, **more), [PLAIN], startup=[GYRO, PLAIN], by_stop=True
     )
-    assert desk.head.at_rest
-    desk.run(begin)
-    assert not desk.head.at_rest
-    rounds = desk.run(10_000)
-    assert desk.head.at_rest and desk.head.missed == missed
+    assert head_rig.head.at_rest
+    head_rig.run(begin)
+    assert not head_rig.head.at_rest
+    rounds = head_rig.run(10_000)
+    assert head_rig.head.at_rest and head_rig.head.missed == missed
     assert [one.number for one in rounds] == [1, 2][missed:]
-    assert [one.name for one in desk.transfers[:4]] == ["gyroscope", "gyroscope", "plain", "plain"]
-    assert desk.transfers[0].phases[0].start_at == begin
+    assert [one.name for one in head_rig.transfers[:4]] == ["gyroscope", "gyroscope", "plain", "plain"]
+    assert head_rig.transfers[0].phases[0].start_at == begin
 
 
 def test_a_round_delayed_by_a_stretching_slave_makes_the_next_one_missed():
-    desk = HeadRig(Schedule(first=0, period=1000, gap=0, rounds=3), [PLAIN])
-    desk.rig.pull((60, "scl", 0), (1500, "scl", 1))
-    rounds = desk.run(10_000)
+    head_rig = HeadRig(Schedule(first=0, period=1000, gap=0, rounds=3), [PLAIN])
+    head_rig.rig.pull((60, "scl", 0), (1500, "scl", 1))
+    rounds = head_rig.run(10_000)
     assert [r.number for r in rounds] == [1, 3]
-    assert desk.head.missed == 1
+    assert head_rig.head.missed == 1
 
 
 def test_jitter_depends_on_the_seed_alone_and_does_not_accumulate():
@@ -128,17 +128,17 @@ def test_the_values_in_the_bytes_of_a_chip(chip: str, data: str, values: tuple[i
 
 
 def test_a_chip_that_acknowledges_is_not_counted_as_nacked():
-    desk = HeadRig(Schedule(first=0, period=5000, gap=0, rounds=1), [Request("w", 0x10, None, 0, write=b"\xff")])
+    head_rig = HeadRig(Schedule(first=0, period=5000, gap=0, rounds=1), [Request("w", 0x10, None, 0, write=b"\xff")])
     for slot in (33, 33 + 36):  # the ACK slots
-        desk.rig.kernel.call_at(slot * UNIT + 1, partial(desk.rig.partner["sda"].drive, 0))
-        desk.rig.kernel.call_at((slot + 4) * UNIT + 1, partial(desk.rig.partner["sda"].drive, 1))
-    rounds = desk.run(5000)
+        head_rig.rig.kernel.call_at(slot * UNIT + 1, partial(head_rig.rig.partner["sda"].drive, 0))
+        head_rig.rig.kernel.call_at((slot + 4) * UNIT + 1, partial(head_rig.rig.partner["sda"].drive, 1))
+    rounds = head_rig.run(5000)
     assert [(r.nacked, r.transfers) for r in rounds] == [(0, 1)]
 
 
 def test_a_slow_clock_schedules_rounds_without_rounding_drift():
     """The test would detect an error of half a tick in 1000 periods."""
     period = Fraction(1000) / (1 - Fraction(30, 1_000_000))
-    desk = HeadRig(Schedule(first=0, period=period, gap=0), [PLAIN])
-    dues = [r.due for r in desk.run(2_000_000)]
+    head_rig = HeadRig(Schedule(first=0, period=period, gap=0), [PLAIN])
+    dues = [r.due for r in head_rig.run(2_000_000)]
     assert dues == [n * 1_000_000_000 // 999_970 for n in range(len(dues))] and len(dues) > 1990

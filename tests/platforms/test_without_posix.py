@@ -1,4 +1,7 @@
-"""The package imports and its commands run without what Windows lacks: modules, signals, fork, pseudo-terminals."""
+"""Every module can be imported, and commands run, without the parts of POSIX that Windows lacks.
+
+These are modules, signals, fork and pseudo-terminals.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +24,10 @@ def run(*arguments: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", code, *arguments], cwd=cwd, capture_output=True, text=True)
 
 
-def test_every_module_is_imported_but_those_of_pseudo_terminals() -> None:
-    came = run("imports")
+def test_every_module_can_be_imported_except_those_of_pseudo_terminals() -> None:
+    result = run("imports")
     modules = ("periph_sim.outside.live.i2cdriver_door", "periph_sim.outside.live.pty_door")
-    assert came.stdout.splitlines() == [f"{module}: {TERMINALS}" for module in modules], came.stderr
+    assert result.stdout.splitlines() == [f"{module}: {TERMINALS}" for module in modules], result.stderr
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +35,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the case and the firmware that `new` writes, and a recording of its run."""
     made = tmp_path_factory.mktemp("user")
     assert run("new", "i2c-slave", "mine", cwd=made).returncode == 0
-    came = run("run", "mine.toml", "--record", "mine.vcd", cwd=made)
-    assert came.returncode == 0, came.stderr
+    result = run("run", "mine.toml", "--record", "mine.vcd", cwd=made)
+    assert result.returncode == 0, result.stderr
     return made
 
 
@@ -49,19 +52,19 @@ COMMANDS = {
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_command_runs(name: str, folder: Path) -> None:
-    came = run(*COMMANDS[name], cwd=folder)
-    assert (came.returncode, came.stderr if "Traceback" in came.stderr else "") == (0, "")
-    assert came.stdout
+    result = run(*COMMANDS[name], cwd=folder)
+    assert (result.returncode, result.stderr if "Traceback" in result.stderr else "") == (0, "")
+    assert result.stdout
 
 
 def test_a_case_is_served_over_tcp(folder: Path) -> None:
     pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
-    came = run("serve", str(TIMING / "imu_hil.toml"), "--rfc2217", "0", "--pace", "0", "--for", "5 ms", cwd=folder)
-    assert came.stdout.startswith("rfc2217://127.0.0.1:") and "Traceback" not in came.stderr
-    assert came.returncode == 1 and "not judged: too little was measured" in came.stdout
+    result = run("serve", str(TIMING / "imu_hil.toml"), "--rfc2217", "0", "--pace", "0", "--for", "5 ms", cwd=folder)
+    assert result.stdout.startswith("rfc2217://127.0.0.1:") and "Traceback" not in result.stderr
+    assert result.returncode == 1 and "not judged: too little was measured" in result.stdout
 
 
 @pytest.mark.parametrize("option", ["--pty", "--i2cdriver"])
-def test_serving_at_a_pseudo_terminal_is_refused_in_one_sentence(option: str, folder: Path) -> None:
-    came = run("serve", str(TIMING / "imu_hil.toml"), option, "--for", "1 ms", cwd=folder)
-    assert (came.returncode, came.stderr) == (2, f"Error: {TERMINALS}\n")
+def test_serving_at_a_pseudo_terminal_is_rejected_in_one_sentence(option: str, folder: Path) -> None:
+    result = run("serve", str(TIMING / "imu_hil.toml"), option, "--for", "1 ms", cwd=folder)
+    assert (result.returncode, result.stderr) == (2, f"Error: {TERMINALS}\n")

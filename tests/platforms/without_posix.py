@@ -3,8 +3,8 @@
 python -m tests.platforms.without_posix run timing/imu_hil.toml
 python -m tests.platforms.without_posix imports      imports every module of the package that Windows can import
 
-The standard library is imported before, because its own modules for POSIX need what is removed here. Worker processes
-are started by spawn, which is all that Windows has; they import this module, and so lack the same.
+The standard library is imported first, because its modules for POSIX need what is removed here. Worker processes are
+started by spawn, the only method of Windows; they import this module, so the same is removed in them.
 """
 
 from __future__ import annotations

@@ -471,8 +471,8 @@ def test_a_wait_lasts_from_its_first_read_to_the_next_access_elsewhere(next_at: 
 def test_only_a_wait_longer_than_the_bound_is_reported():
     of = WAIT.format(160, 170)  # 1 us
     assert waits(of, bound=Fraction(1, 10**6)) == []
-    (told,) = waits(of, bound=Fraction(999, 10**9))
-    assert told == (10, "polls I2C-A.I2CSTR for up to 1 us (150 cycles)")
+    (reported,) = waits(of, bound=Fraction(999, 10**9))
+    assert reported == (10, "polls I2C-A.I2CSTR for up to 1 us (150 cycles)")
 
 
 def test_one_read_or_writes_are_not_a_wait():
@@ -538,14 +538,14 @@ def loop(begin: int, reads: int, passes: int) -> list[str]:
 def test_a_pass_of_a_loop_has_up_to_four_reads(reads: int, found_: bool):
     names = ("I2CSTR", "I2CMDR", "I2CCNT", "I2CSAR")[:reads]
     said = f"polls {' and '.join(f'I2C-A.{name}' for name in names)} for up to 200 ns (30 cycles), until the end"
-    told = waits("\n".join(loop(100, reads, 3)), 130)
-    assert [(cycle, text[: len(said)]) for cycle, text in told] == [(100, said)] * found_
+    reported = waits("\n".join(loop(100, reads, 3)), 130)
+    assert [(cycle, text[: len(said)]) for cycle, text in reported] == [(100, said)] * found_
 
 
 def test_the_longest_wait_of_a_loop_is_reported_and_a_unit_without_accesses_has_none():
     lines = [*loop(100, 2, 2), "150 W I2CCNT 1 g:1", *loop(1000, 2, 5), "1200 W I2CCNT 1 g:1", *loop(2000, 2, 3)]
-    told = found("spin-without-bound", "\n".join([*lines, "2100 W I2CCNT 1 g:1"]), Options(Fraction(1, 10**7)))
-    assert told == [
+    reported = found("spin-without-bound", "\n".join([*lines, "2100 W I2CCNT 1 g:1"]), Options(Fraction(1, 10**7)))
+    assert reported == [
         (at, "polls I2C-A.I2CSTR and I2C-A.I2CMDR for up to 1.333 us (200 cycles)") for at in (100, 1000, 2000)
     ]
     run = by_hand(*_rows("\n".join(lines)), end=2100)  # the last wait is cut off by the end of the run
@@ -558,8 +558,8 @@ def test_the_longest_wait_of_a_loop_is_reported_and_a_unit_without_accesses_has_
 def test_findings_are_one_per_place_in_the_order_of_their_first_times():
     of = f"{ON}20 W I2CDXR 1 b:1\n30 W I2CPSC 9 c:1\n30 flag I2CPSC.IPSC 9 <3\n"
     of += "40 W I2CCNT 6 a:1\n50 W I2CCNT 6 a:1\n60 W I2CCNT 6 d:1"
-    told = [(one.lint, one.place, one.count, one.first // CYCLE, one.unit) for one in lint(drawn(of))]
-    assert told == [
+    reported = [(one.lint, one.place, one.count, one.first // CYCLE, one.unit) for one in lint(drawn(of))]
+    assert reported == [
         ("prescaler-while-enabled", "c:1", 1, 30, "dsp"),
         ("without-effect", "a:1", 2, 40, "dsp"),
         ("without-effect", "d:1", 1, 60, "dsp"),

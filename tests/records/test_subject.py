@@ -79,7 +79,7 @@ def test_at_most_eight_of_many_candidates_are_listed(count: int, more: str):
         ("NACK@1us", "the run: 'NACK' may mean dsp.I2C-A.I2CIER.NACK, dsp.I2C-A.I2CSTR.NACK; give one of them"),
     ],
 )
-def test_what_is_not_there_is_told_with_the_nearest(question: str, said: str):
+def test_an_unknown_name_is_rejected_with_the_nearest_ones(question: str, said: str):
     assert refused(by_hand(edge(10, 0, "c")), question) == said
 
 

@@ -246,6 +246,6 @@ def test_reads_that_have_a_value():
 
 
 def test_records_of_another_unit_do_not_affect_the_load_of_a_cpu():
-    came = [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
-    of = [Record(0, tick, kind, where, "x", value, "", 0) for tick, where, kind, value in came]
+    events = [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
+    of = [Record(0, tick, kind, where, "x", value, "", 0) for tick, where, kind, value in events]
     assert played("cpu load of dsp", of, 100).worst == 80 * MILLIONTHS // 100

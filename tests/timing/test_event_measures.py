@@ -76,7 +76,7 @@ def test_a_period_has_the_time_of_its_begin_and_an_unfinished_one_counts():
         ("each time in wire SCL low", "", "'wire SCL low' was never entered and left"),
     ],
 )
-def test_why_nothing_was_measured(text: str, of: str, missing: str):
+def test_the_reason_why_nothing_was_measured(text: str, of: str, missing: str):
     assert played(text, of, 99, level=0).missing() == missing
 
 

@@ -34,7 +34,7 @@ def state(of: Measure) -> tuple[int, int, int, int, int]:
     return of.worst, of.worst_at, of.least, of.least_at, of.count
 
 
-def test_of_equal_values_the_first_is_the_worst_and_the_least():
+def test_the_first_of_equal_values_is_the_worst_and_the_least():
     assert state(took(Measure(), (5, 10), (5, 20))) == (5, 10, 5, 10, 2)
     assert state(took(Measure(), (5, 10), (7, 20), (3, 30), (7, 40), (3, 50))) == (7, 20, 3, 30, 5)
     assert state(took(Measure(), (-5, 10))) == (-5, 10, -5, 10, 1)

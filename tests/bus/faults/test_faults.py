@@ -189,9 +189,9 @@ def test_diagram(kind: str, settings: dict[str, object], diagram: str):
 
 
 def test_a_held_line_names_the_fault_that_holds_it():
-    desk = FaultRig("hold", wire="SDA", at="20 ns", length="60 ns")
-    desk.run_until(50)
-    assert desk.wires["SDA"].held_by() == ["fault 0"]
+    rig = FaultRig("hold", wire="SDA", at="20 ns", length="60 ns")
+    rig.run_until(50)
+    assert rig.wires["SDA"].held_by() == ["fault 0"]
 
 
 def test_repeated_faults_are_late_by_a_random_part_of_the_spread():

@@ -44,9 +44,9 @@ READ, WRITE = Phase(0x53, True, count=2), Phase(0x53, False, data=b"\x32\x07")
 )
 def test_transfers_are_those_of_the_controller(answers: list[Answer], transfers: list[list[Phase]]):
     copies = [[Phase(p.address, p.read, p.data, p.count) for p in phases] for phases in transfers]
-    done, heard = both({0x53: answers}, *copies)
-    assert len(heard) == len(transfers)
-    for own, seen in zip(done, heard, strict=True):
+    done, monitored = both({0x53: answers}, *copies)
+    assert len(monitored) == len(transfers)
+    for own, seen in zip(done, monitored, strict=True):
         assert (seen.name, seen.stop_at, seen.acked) == ("accelerometer", own.stop_at, own.acked)
         for mine, theirs in zip(own.phases, seen.phases, strict=True):
             assert (theirs.address, theirs.read, theirs.acked) == (mine.address, mine.read, mine.acked)

@@ -1,4 +1,4 @@
-"""Firmware of a board that tells its tilt: a sensor model computes it, and a PC asks for it by SCI."""
+"""Firmware of a board that reports its tilt: a sensor model computes it, and a PC requests it over SCI."""
 
 from dataclasses import dataclass
 

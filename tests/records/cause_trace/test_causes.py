@@ -333,8 +333,8 @@ def test_an_answer_has_the_parties_that_hold_a_line_and_the_one_that_pulled_it_f
     answer = why(by_hand(*LOW), f"SCL@{cycle * CYCLE // 3} ns")
     assert (answer.since, " and ".join(answer.held_by), answer.pulled_by) == (10 * CYCLE, held, ("controller",))
     assert numbers(list(answer.back)) == records
-    told = "pulled low first by controller, held now by" in text(answer)
-    assert told == (held != "controller")
+    has_first = "pulled low first by controller, held now by" in text(answer)
+    assert has_first == (held != "controller")
     assert as_json(answer)["held_by"] == held.split(" and ")
 
 

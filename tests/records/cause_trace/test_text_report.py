@@ -103,8 +103,8 @@ def test_the_steps_of_an_answer_as_json(run: Run):
     assert (found["source"], found["doc"]) == (TABLE_18[1:-1], "Bytes to move; 0 is 65536.")
     back = found["back"]
     assert isinstance(back, list)
-    told = ("record", "tick", "cycles_from_value", "known", "because", "cause_of", "aside")
-    assert [tuple(step[key] for key in told) for step in back] == [
+    keys = ("record", "tick", "cycles_from_value", "known", "because", "cause_of", "aside")
+    assert [tuple(step[key] for key in keys) for step in back] == [
         (CHANGED, first, 0, None, None, None, False),
         (WRITTEN, first - 3 * CYCLE, -3, "recorded", "the last input that had taken effect", CHANGED, False),
         (READ, first - 18 * CYCLE, -18, "inferred", "the read before it that saw the newest change", WRITTEN, False),

@@ -101,10 +101,10 @@ def test_the_chain_of_an_interrupt_leads_to_the_flag_of_its_module_and_the_edge(
 
 def test_only_steps_of_registers_cite_a_section_of_the_manual(run: Run):
     answer = why(run, "I2C-A.I2CSTR.SCD@2ms")
-    told = {step.record.kind: said(run, step) for step in answer.back}
-    assert set(told) >= {Kind.FLAG, Kind.EDGE}
-    assert told[Kind.FLAG].endswith("[SPRUG03B table 10]")
-    assert not any("[" in words for kind, words in told.items() if kind is not Kind.FLAG)
+    shown = {step.record.kind: said(run, step) for step in answer.back}
+    assert set(shown) >= {Kind.FLAG, Kind.EDGE}
+    assert shown[Kind.FLAG].endswith("[SPRUG03B table 10]")
+    assert not any("[" in words for kind, words in shown.items() if kind is not Kind.FLAG)
 
 
 @given(cycle=st.integers(0, 60), changes=st.lists(st.integers(1, 30), min_size=1, max_size=6))
@@ -174,8 +174,8 @@ def test_the_first_line_of_an_answer(name: str, at: int, said: str):
 def test_answers_about_spans_and_wires_have_no_note_about_reads():
     run = by_hand(span(30, 1), edge(40, 0, "c"))
     for name in ("model", "SCL"):
-        told = text(why(run, f"{name}@1us"))
-        assert told.endswith("\n  it did not change again") and "recorded read" not in told
+        shown = text(why(run, f"{name}@1us"))
+        assert shown.endswith("\n  it did not change again") and "recorded read" not in shown
     before = text(why(run, "model@100ns"))
     assert "  nothing changed it before; no record of it" in before
     assert "  changed  200 ns (30 cycles) after  dsp: span model begins at f:1" in before
@@ -203,8 +203,8 @@ def test_reads_of_the_field_between_two_changes_are_counted():
         answer = why(by_hand(*rows), f"I2CSTR.SCD@{cycle * 20 / 3:.4f} ns")
         assert answer.reader is not None and (answer.reader.record.number, answer.reads) == (reader, reads)
         assert (answer.changed and answer.changed.record.number) == changed
-    nobody = why(by_hand(flag(10, "SCD", 1), read(12, 0, "XRDY")), "I2CSTR.SCD@1us")
-    assert (nobody.reader, nobody.reads, nobody.since, nobody.tick) == (None, 0, 10 * CYCLE, 3000)
+    unread = why(by_hand(flag(10, "SCD", 1), read(12, 0, "XRDY")), "I2CSTR.SCD@1us")
+    assert (unread.reader, unread.reads, unread.since, unread.tick) == (None, 0, 10 * CYCLE, 3000)
 
 
 def test_a_walk_has_eight_causes_by_default():

@@ -14,7 +14,7 @@ def reply_to(drawn: str, end: int, text: str = "OK", anywhere: bool = False) -> 
     `ask 10-20`: the request begins and ends; `O 30-40`: a character; `else 50`: something else is requested; `sent 50`:
     a send begins.
     """
-    expected = Expected(tuple(map(ord, text)), lambda came: "".join(map(chr, came)), "SCI-A", WITHIN, anywhere)
+    expected = Expected(tuple(map(ord, text)), lambda received: "".join(map(chr, received)), "SCI-A", WITHIN, anywhere)
     reply = Reply("reply")
     reply.listen(scene_of(ticks_per_second=1000, on_reply=lambda reply: (expected, lambda: "it was never asked for")))
     for what, at in (event.split() for event in drawn.split(", ") if event):

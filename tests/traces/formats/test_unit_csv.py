@@ -78,6 +78,6 @@ def test_a_folder_is_rejected(tmp_path: Path):
 @pytest.mark.parametrize("text", ["\0", "x [g]\nz"])
 def test_the_message_about_a_long_cell_is_short(tmp_path: Path, text: str, length: int):
     (tmp_path / "f.csv").write_text(text + text[-1] * length + "\n")
-    with pytest.raises(BadCapture, match=r"line \d: found .*(\d characters\)|field larger than .*), expected") as told:
+    with pytest.raises(BadCapture, match=r"line \d: found .*(\d characters\)|field larger than .*), expected") as error:
         read(tmp_path / "f.csv")
-    assert len(str(told.value)) < 600
+    assert len(str(error.value)) < 600

@@ -54,7 +54,7 @@ def replay(capture: Capture, *changes: str, case: Path, **options) -> Report:
 # Differences of the agents ----------------------------------------------------------------
 
 
-def test_a_stretch_of_another_target_that_is_cut_is_not_the_firmwares(slow: Path):
+def test_a_cut_stretch_of_another_target_is_not_attributed_to_the_firmware(slow: Path):
     """--longest-low cuts the stretch of 0x51, which an agent plays, so that all later events are 100 us early."""
     capture = reads((OTHER, 0x33, STRETCH), (OWN, 0xA7, 0))
     report = replay(capture, case=slow, addresses=[OWN], longest_low=5 * US, tolerance=20 * US)
@@ -64,7 +64,7 @@ def test_a_stretch_of_another_target_that_is_cut_is_not_the_firmwares(slow: Path
     assert replay(capture, case=slow, addresses=[OWN], tolerance=20 * US).verdict == "pass"
 
 
-def test_a_target_of_the_replay_that_is_too_slow_for_the_clock_is_not_the_firmwares(slow: Path):
+def test_an_error_of_a_replayed_target_that_is_too_slow_is_not_attributed_to_the_firmware(slow: Path):
     """SCL is low for 200 ns, and an agent changes SDA 300 ns after its fall."""
     report = replay(reads((OTHER, 0x33, 0), (OWN, 0xA7, 0)), case=slow, addresses=[OWN], longest_low=US / 5)
     assert (report.verdict, report.unjudged) == ("not judged", THIS_EVENT)
@@ -88,7 +88,7 @@ def test_the_first_difference_decides_and_times_count_only_with_a_tolerance(
 
 
 @pytest.mark.parametrize("microseconds", [0, 60])
-def test_a_transfer_begins_as_much_later_as_the_one_before_was_stretched(slow: Path, microseconds: int):
+def test_a_transfer_is_delayed_by_the_stretch_of_the_previous_one(slow: Path, microseconds: int):
     """The pauses between transfers are equal to those of the capture to the tick."""
     capture = reads((OWN, 0xA7, 0), (OWN, 0xA7, 0), (OWN, 0xA7, 0))
     one = I2cReplay(load(slow, [f"unit.dsp.settings.wait={microseconds}"]), capture, "SCL", "SDA")

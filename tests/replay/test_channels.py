@@ -59,7 +59,7 @@ def test_all_three_lines_are_a_session_only_if_one_is_requested():
     assert channel_map(ALL, "rx=2,scl=0,sda=1") == {"scl": "0", "sda": "1", "rx": "2"}
 
 
-def test_the_serial_line_is_the_one_given_or_the_one_named_so_or_the_only_one():
+def test_the_serial_line_is_the_given_channel_or_one_named_rx_or_the_only_one():
     assert serial_channel(of_bytes(b"\x01", ("D7",)), None) == "D7"
     assert serial_channel(ALL, None) == "RX"
     assert serial_channel(PLAIN, "D1") == "D1"

@@ -194,7 +194,7 @@ def test_an_unsure_bit_may_be_read_either_way_and_no_other_may(word: int, ambigu
     assert (expected, found) == ((["55"], ["55"]) if ambiguous else (["41", "55"], ["45", "55"]))
 
 
-def test_an_unsure_stop_bit_leaves_a_frame_error_open_and_any_other_bit_the_parity():
+def test_an_unsure_stop_bit_excuses_a_framing_error_and_any_other_bit_a_parity_error():
     even = Line(100_000, parity="even")
     stop, parity, data = 1 << 10, 1 << 9, 1 << 3
     (found,) = Settled([frame(0, 0x41, stop)], even, Fraction(10**6), [Word(0x41, True, False, Fraction(0))]).ambiguous

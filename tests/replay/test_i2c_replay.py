@@ -129,7 +129,7 @@ def test_refusals_that_no_setting_can_imitate_are_noted():
     ]
 
 
-def test_an_address_that_the_case_sets_is_the_firmwares():
+def test_the_firmware_has_the_address_that_the_case_sets():
     report = replay("imu_round.sr", "unit.dsp.settings.address=0x1E")
     assert report.addresses == ["1E"] and report.verdict == "pass"
 

@@ -58,7 +58,7 @@ def test_bits_of_every_byte_are_skipped_where_nothing_acts_in_mid_byte(name: str
 
 
 @pytest.mark.parametrize("wire", ["SCL", "SDA"])
-def test_a_bus_of_which_edges_are_recorded_passes_edge_by_edge(wire: str):
+def test_no_bits_are_skipped_if_edges_of_the_bus_are_recorded(wire: str):
     scene, records = recorded(load(TIMING / "responder.toml"), [Kind.EDGE], subjects={Kind.EDGE: (wire,)})
     result = scene.run(Fraction("0.05"))
     assert result.bytes_skipped == 0 and result.wire_bytes > 40
@@ -66,7 +66,7 @@ def test_a_bus_of_which_edges_are_recorded_passes_edge_by_edge(wire: str):
 
 
 @pytest.mark.parametrize("name", ["imu_hil_spikes", "imu_hil_stuck_sda", "imu_hil_glitches"])
-def test_a_fault_that_may_pull_a_line_at_any_time_keeps_the_bus_at_edges(name: str):
+def test_no_bits_are_skipped_with_a_fault_that_may_pull_a_line_at_any_time(name: str):
     skipping = run(load(TIMING / f"{name}.toml"), SKIPPING, (), "0.05")[0]
     assert skipping.bytes_skipped == 0 and skipping.wire_bytes > 40
 

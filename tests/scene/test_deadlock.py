@@ -47,7 +47,7 @@ def test_every_register_that_is_polled_is_named():
     assert sentence.endswith("SCI-A has nothing due and no party will change RX")
 
 
-def test_traffic_elsewhere_does_not_hide_it():
+def test_traffic_elsewhere_does_not_hide_a_stuck_wait():
     """The bus has traffic for ever, but the firmware waits for a character, and no party drives the serial line."""
     result = scene_with(waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD).run()
     assert len(result.stuck) == 1 and result.verdict == "fail"

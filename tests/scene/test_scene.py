@@ -105,7 +105,7 @@ def test_two_units_share_the_wires():
     assert scene.units["b"].clock.hz == scene.units["a"].clock.hz * 1_000_050 / 1_000_000
 
 
-def test_firmware_that_has_returned_is_reported_so():
+def test_firmware_that_has_returned_from_main_is_reported():
     scene = scene_with(idle, [])
     scene.run()
     assert scene.doing(scene.units["dsp"]) == "has returned from main"

@@ -151,7 +151,7 @@ def test_a_line_that_the_host_drives_cannot_have_a_second_driver():
         ),
     ],
 )
-def test_a_recording_lists_modules_and_the_wires_that_are_not_the_usual_ones(
+def test_a_recording_lists_modules_and_wires_with_other_than_the_usual_names(
     units: dict[str, Any], transceivers: list[dict[str, str]], found: dict[str, tuple[str, ...]]
 ):
     assert case(unit=units, transceiver=transceivers).recorded_modules == found

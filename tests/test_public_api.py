@@ -1,4 +1,4 @@
-"""The public names: each is there, each is lazy, and `run` judges as the command does."""
+"""Public names exist and are imported lazily, and `run` judges as the command does."""
 
 from __future__ import annotations
 
@@ -21,27 +21,29 @@ TIMING = Path(__file__).parents[1] / "timing"
 
 
 @pytest.mark.parametrize("name", periph_sim.__all__)
-def test_every_public_name_is_there(name: str):
+def test_every_public_name_exists(name: str):
     assert getattr(periph_sim, name).__name__ in (name, name.removesuffix("_capture"))
     assert name in dir(periph_sim)
 
 
-def test_import_loads_nothing_and_an_unknown_name_is_none():
+def test_the_package_imports_lazily_and_an_unknown_name_is_an_error():
     code = (
         "import sys, periph_sim; print([m for m in sys.modules if m.startswith(('periph_sim.', 'numpy', 'pydantic'))])"
     )
-    came = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert came.stdout == "['periph_sim.form']\n"  # which chooses the form of the core
+    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert outcome.stdout == "['periph_sim.form']\n"  # this module chooses the form of the core
     with pytest.raises(AttributeError, match="no attribute 'lod'"):
         _ = periph_sim.lod  # type: ignore[attr-defined]
 
 
-def test_run_of_a_file_is_judged_as_by_the_command(command: Command):  # noqa: F811
+def test_run_judges_a_file_as_the_command_does(command: Command):  # noqa: F811
     case = str(TIMING / "imu_hil_published.toml")
-    told = json.loads(command("run", case, "--seconds", "0.03", "--set", "seed=2", "--json").out)
+    report = json.loads(command("run", case, "--seconds", "0.03", "--set", "seed=2", "--json").out)
     result = run(case, ["seed=2"], seconds=Fraction(3, 100))
-    assert (result.case, result.verdict) == (told["case"], told["verdict"])
-    assert [(one.name, one.worst) for one in result.budgets] == [(one["name"], one["worst"]) for one in told["budgets"]]
+    assert (result.case, result.verdict) == (report["case"], report["verdict"])
+    assert [(one.name, one.worst) for one in result.budgets] == [
+        (one["name"], one["worst"]) for one in report["budgets"]
+    ]
 
 
 def idle(dsp, settings):
@@ -80,7 +82,7 @@ TABLES = {
 }
 
 
-def test_a_case_and_firmware_in_python_and_its_records(tmp_path: Path):
+def test_a_case_and_firmware_in_python_are_run_and_recorded(tmp_path: Path):
     result = run(make_case(**TABLES), programs={"dsp": idle}, record=tmp_path / "run.psr")
     (work,) = result.budgets
     assert (result.verdict, work.worst) == ("pass", 10.0)
@@ -119,13 +121,13 @@ def test_files_of_a_case_without_a_file_are_in_the_current_folder(name: str):
         (lambda: run("nowhere.toml"), "nowhere.toml: cannot be read"),
     ],
 )
-def test_a_mistake_is_a_sentence(call, sentence: str):
+def test_a_wrong_argument_is_one_error_message(call, sentence: str):
     with pytest.raises(BadCase) as error:
         call()
     assert sentence in str(error.value) and "\n" not in str(error.value)
 
 
-def test_why_and_lint_take_the_file_of_a_run(tmp_path: Path) -> None:
+def test_why_and_lint_accept_the_file_of_a_run(tmp_path: Path) -> None:
     file = tmp_path / "run.psr"
     periph_sim.run("timing/responder.toml", record=file, seconds="2 ms")
     recorded = Run.read(file)
@@ -139,7 +141,7 @@ def test_why_and_lint_take_the_file_of_a_run(tmp_path: Path) -> None:
 @pytest.mark.parametrize("given", [Path, load], ids=["a file", "a case that was loaded before"])
 @pytest.mark.parametrize("output", ["sent.jsonl", "link.jsonl"])
 def test_no_recording_replaces_a_file_that_the_run_reads(tmp_path: Path, given: Callable[[Path], Any], output: str):
-    """A file of characters to send, and by a link the case itself; `load` has read the latter before the run."""
+    """The outputs are a file of characters to send, and a link to the case, which `load` has read before the run."""
     case = tmp_path / "mine.toml"
     case.write_text(SENDS)
     (tmp_path / "sent.jsonl").write_text("hello")

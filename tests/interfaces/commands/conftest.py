@@ -1,4 +1,4 @@
-"""The command line as a user meets it: arguments go in, exit status and both outputs come out."""
+"""Fixtures that run the command line in this process and return its exit status and both outputs."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ max = "5 ms"
 """
 
 
-BESIDES = ("Usage: ", "Try ", "\t", "note: ")  # beginnings of lines on standard error beside the sentence of an error
+BESIDES = ("Usage: ", "Try ", "\t", "note: ")  # how lines on standard error begin that are no error message
 
 
-class Came(NamedTuple):
+class CommandResult(NamedTuple):
     status: int
     out: str
     err: str
 
     @property
-    def told(self) -> Any:
+    def json_object(self) -> Any:
         """The JSON object on standard output."""
         return json.loads(self.out)
 
@@ -52,31 +52,31 @@ class Run:
     def __init__(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
         self._monkeypatch, self._capsys = monkeypatch, capsys
 
-    def __call__(self, *arguments: str) -> Came:
+    def __call__(self, *arguments: str) -> CommandResult:
         self._monkeypatch.setenv("COLUMNS", "80")
         self._monkeypatch.setattr(sys, "argv", ["periph-sim", *arguments])
         with pytest.raises(SystemExit) as ended:
             main()
         assert isinstance(ended.value.code, int)
-        return Came(ended.value.code, *self._capsys.readouterr())
+        return CommandResult(ended.value.code, *self._capsys.readouterr())
 
     def passes(self, *arguments: str) -> str:
-        """The output of these arguments, for which the exit status is 0 and standard error is empty."""
-        came = self(*arguments)
-        assert (came.status, came.err) == (0, ""), came
-        return came.out
+        """Return the output of a command that must exit with status 0 and print nothing on standard error."""
+        result = self(*arguments)
+        assert (result.status, result.err) == (0, ""), result
+        return result.out
 
     def json(self, *arguments: str) -> tuple[int, Any]:
-        """The exit status and the JSON object of these arguments and --json."""
-        came = self(*arguments, "--json")
-        return came.status, came.told
+        """Return the exit status and the JSON object that the command prints with --json."""
+        result = self(*arguments, "--json")
+        return result.status, result.json_object
 
     def refused(self, *arguments: str) -> str:
-        """The sentence with which these arguments are refused. Only notes and click's usage may be beside it."""
-        came = self(*arguments)
-        (said,) = (line for line in came.err.splitlines() if not line.startswith(BESIDES) and line)
-        assert (came.status, came.out, said[:7]) == (2, "", "Error: ")
-        return said[7:]
+        """Return the error message of a command that must fail with status 2. Notes and usage may precede it."""
+        result = self(*arguments)
+        (message,) = (line for line in result.err.splitlines() if not line.startswith(BESIDES) and line)
+        assert (result.status, result.out, message[:7]) == (2, "", "Error: ")
+        return message[7:]
 
 
 @pytest.fixture
@@ -85,14 +85,14 @@ def periph_sim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[st
 
 
 @pytest.fixture(autouse=True)
-def trade_repeats_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`trade` measures each row as few times as it may; tests/interfaces/reports/trade has how often, and why."""
+def few_trade_repetitions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Measure each row of `trade` the smallest number of times. tests/interfaces/reports/trade tests that number."""
     monkeypatch.setattr(trade, "MOST", trade.FEWEST)
 
 
 @pytest.fixture(autouse=True)
-def tables_repeat_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`prove --table` runs few entries again; tests/proof has the number."""
+def few_table_repetitions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let `prove --table` repeat few entries only. tests/proof tests the real number."""
     monkeypatch.setattr(table_proof, "LEAST_REVISITED", 10)
 
 
@@ -105,7 +105,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def cases(here: Path) -> Path:
-    """A folder `timing`, which is what `check` takes by itself, with one case and no baseline."""
+    """A folder `timing`, which `check` uses by default, with one case and no baseline."""
     put(Path("timing"))
     return Path("timing")
 

@@ -1,4 +1,4 @@
-"""Every measure that there is, with a limit that it cannot keep: told, drawn and explained by all commands."""
+"""All commands report, draw and explain every measure, each with a limit that the run must break."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from periph_sim.interfaces.reports.html import gather
 from periph_sim.timing.budget_schema import SPAN
 from periph_sim.timing.language.language import FORMS
 from periph_sim.timing.measures.registry import MEASURES
-from tests.interfaces.commands.conftest import Came, Run
+from tests.interfaces.commands.conftest import CommandResult, Run
 
-BROKEN = {  # of what cannot be less: more than that
+BROKEN = {  # a maximum that each kind of value exceeds
     "time": '"1 ns"',
     "count": "0",
     "%": '"0.001 %"',
@@ -84,14 +84,14 @@ def limit(measure: str) -> str:
 
 
 ALL = ("stretch", *NEVER, *MEASURED)
-# Images have calls and a stack (tests/scene/test_image_budgets.py); a memory is busy (tests/devices).
-OF_OTHERS = {"calls", "stack", "busy"}
+# Tested elsewhere: calls and stack in tests/scene/test_image_budgets.py, busy in tests/devices.
+TESTED_ELSEWHERE = {"calls", "stack", "busy"}
 
 
-def test_these_are_all_measures_and_forms():
+def test_the_case_has_every_measure_and_form():
     forms = {measure.split(" ")[0] for measure in ALL} & set(FORMS)
     assert {m for m in ALL if m in MEASURES or m.startswith(SPAN)} == {*MEASURES, f"{SPAN}model"}
-    assert forms == set(FORMS) - OF_OTHERS
+    assert forms == set(FORMS) - TESTED_ELSEWHERE
 
 
 @pytest.fixture
@@ -101,14 +101,14 @@ def case(desk: Path) -> str:
     return "all.toml"
 
 
-def fails(came: Came) -> Came:
-    assert (came.status, came.err) == (1, "")
-    return came
+def require_failure(result: CommandResult) -> CommandResult:
+    assert (result.status, result.err) == (1, "")
+    return result
 
 
-def test_worst_tells_of_each_what_led_to_it(periph_sim: Run, case: str, desk: Path):
+def test_worst_explains_each_budget(periph_sim: Run, case: str, desk: Path):
     (desk / "out").mkdir()
-    lines = fails(periph_sim("worst", case, "--svg", "out")).out.splitlines()
+    lines = require_failure(periph_sim("worst", case, "--svg", "out")).out.splitlines()
     for measure in ALL:
         if measure in NEVER:
             assert f"{measure}: 0: it never happened" in lines
@@ -118,17 +118,19 @@ def test_worst_tells_of_each_what_led_to_it(periph_sim: Run, case: str, desk: Pa
     assert len([*(desk / "out").iterdir()]) == len(ALL) - len(NEVER)
 
 
-def test_check_finds_and_explains_each(periph_sim: Run, case: str, desk: Path):
-    found = fails(periph_sim("check", case, "--json", "--jobs", "1", "--junit", "all.xml")).told["cases"][0]
+def test_check_reports_and_explains_each_budget(periph_sim: Run, case: str, desk: Path):
+    found = require_failure(periph_sim("check", case, "--json", "--jobs", "1", "--junit", "all.xml")).json_object[
+        "cases"
+    ][0]
     assert found["broken"] == [*ALL] and set(found["causes"]) == set(ALL) - set(NEVER)
     assert all(found["causes"][measure]["steps"] for measure in MEASURED)
     assert (desk / "all.xml").read_text(encoding="utf-8").count("<failure") >= len(ALL)
 
 
-def test_the_report_draws_each(periph_sim: Run, case: str, desk: Path, monkeypatch: pytest.MonkeyPatch):
-    """With one further occurrence of each budget, because each is a picture of its own."""
+def test_the_report_draws_each_budget(periph_sim: Run, case: str, desk: Path, monkeypatch: pytest.MonkeyPatch):
+    """The page shows one violation of each budget only, because each takes a picture of its own."""
     shown = gather.shown_violations
     monkeypatch.setattr(gather, "shown_violations", lambda over, worst: shown(over, worst)[:1])
-    fails(periph_sim("run", case, "--html", "all.html"))
+    require_failure(periph_sim("run", case, "--html", "all.html"))
     page = (desk / "all.html").read_text(encoding="utf-8")
     assert all(f'data-name="{measure}"' in page or f">{measure}<" in page for measure in ALL)

@@ -1,4 +1,4 @@
-"""The undocumented behaviours that a failure assumes: those used in it or shortly before, of all that a run assumed.
+"""The undocumented behaviours that a failure assumes: those used during it or shortly before it.
 
 span early |--|                       nothing undocumented
 span full            |--| at 5 ms     SCITXBUF is written while it is full
@@ -59,19 +59,19 @@ def write(early: int, full: int) -> None:
 
 
 def assumed_lines(text: str) -> str:
-    """The names that the lines about undocumented behaviours list, on one line; "" if there are none."""
+    """Return the names on the lines about undocumented behaviours as one line, or "" if there are none."""
     _, found, after = text.partition("  undocumented behaviours assumed in it or shortly before: ")
     first, *others = after.splitlines() if found else [""]
     return " ".join([first, *(line.strip() for line in itertools.takewhile(lambda one: one[:4] == "    ", others))])
 
 
 def test_a_failure_counts_the_options_that_were_used_in_it_and_no_others(periph_sim: Run) -> None:
-    came = periph_sim("run", "small.toml")
-    lines = came.out.splitlines()
+    result = periph_sim("run", "small.toml")
+    lines = result.out.splitlines()
     early, full = (
         next(n for n, line in enumerate(lines) if line.startswith(f"{name}: ")) for name in ("early", "full")
     )
-    assert came.status == 1 and full == early + 1, "nothing undocumented was used in span early"
+    assert result.status == 1 and full == early + 1, "nothing undocumented was used in span early"
     named = assumed_lines(periph_sim("run", "small.toml", "-v").out)
     count = len(re.findall(r"\b[a-z]\w+(?=[,;]|$)", named))
     assert lines[full + 1] == f"  it assumes {count} undocumented behaviours (worst names them)"
@@ -79,20 +79,20 @@ def test_a_failure_counts_the_options_that_were_used_in_it_and_no_others(periph_
     assert lines[-1].startswith("assumes ")
 
 
-def test_the_explanation_the_report_and_json_name_them_too(periph_sim: Run) -> None:
+def test_explanation_report_and_json_name_the_assumed_behaviours(periph_sim: Run) -> None:
     named = assumed_lines(periph_sim("run", "small.toml", "-v").out)
     for command in (("worst", "small.toml", "full"), ("run", "small.toml", "--explain")):
         assert assumed_lines(periph_sim(*command).out) == named != ""
-    told = periph_sim("worst", "small.toml", "--json").told["budgets"]
-    assert told["early"]["assumes"] == [] and f"dsp.sci.{FULL}" in told["full"]["assumes"]
+    report = periph_sim("worst", "small.toml", "--json").json_object["budgets"]
+    assert report["early"]["assumes"] == [] and f"dsp.sci.{FULL}" in report["full"]["assumes"]
     periph_sim("run", "small.toml", "--html", "page.html")
     page = Path("page.html").read_text(encoding="utf-8")
-    count = len(told["full"]["assumes"])
+    count = len(report["full"]["assumes"])
     assert f"It assumes {count} undocumented behaviours." in page.partition("full</strong>")[2].partition("</p>")[0]
     assert f'<p class="quiet">undocumented behaviours assumed in it or shortly before: {named}</p>' in page
 
 
-def test_a_budget_that_holds_names_none_and_a_run_without_failure_is_not_repeated(
+def test_a_passing_budget_names_no_behaviour_and_a_passing_run_is_not_repeated(
     periph_sim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write(early=1, full=100)
@@ -103,10 +103,10 @@ def test_a_budget_that_holds_names_none_and_a_run_without_failure_is_not_repeate
     assert periph_sim("run", "small.toml").status == 0
 
 
-def test_a_long_run_is_not_repeated_only_for_this(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_long_run_is_not_repeated_to_count_its_assumptions(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(assumed, "LATEST", 0.004)
-    came = periph_sim("run", "small.toml")
-    assert "full: " in came.out and "it assumes" not in came.out
+    result = periph_sim("run", "small.toml")
+    assert "full: " in result.out and "it assumes" not in result.out
     assert FULL in periph_sim("worst", "small.toml", "full").out
 
 
@@ -119,6 +119,6 @@ def test_ctrl_c_in_the_second_run_keeps_the_table_of_the_first(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(assumed, "advance", stopped)
-    came = periph_sim("run", "small.toml")
-    assert "small: FAIL" in came.out and "full: " in came.out and "it assumes" not in came.out
-    assert came.status not in (0, 1)
+    result = periph_sim("run", "small.toml")
+    assert "small: FAIL" in result.out and "full: " in result.out and "it assumes" not in result.out
+    assert result.status not in (0, 1)

@@ -1,4 +1,4 @@
-"""Inputs that never end, hold far too long a text, or are named as an output: one short sentence, exit status 2."""
+"""Endless inputs, very long texts and outputs that would overwrite an input: a short error message, exit status 2."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ COMMANDS = {
 @pytest.mark.posix("/dev/zero and pipes with a name")
 @pytest.mark.parametrize("file", ["zero", "pipe"])
 @pytest.mark.parametrize("arguments", COMMANDS.values(), ids=COMMANDS)
-def test_an_input_that_never_ends(periph_sim: Run, desk: Path, arguments: tuple[str, ...], file: str):
+def test_an_endless_input_is_rejected(periph_sim: Run, desk: Path, arguments: tuple[str, ...], file: str):
     def endless(name: str) -> None:
         (desk / name).parent.mkdir(exist_ok=True)
         (desk / name).symlink_to("/dev/zero") if file == "zero" else os.mkfifo(desk / name)
@@ -45,17 +45,17 @@ def test_an_input_that_never_ends(periph_sim: Run, desk: Path, arguments: tuple[
         endless("baselines/small.json")
     text = (desk / "small.toml").read_text()
     (desk / f"memory-{file}.toml").write_text(text + TARGET.replace("FILE", f"{file}.bin"))
-    came = periph_sim(*(argument.replace("FILE", file) for argument in arguments))
-    told = [line for line in (came.err + came.out).splitlines() if "ot a regular file" in line]
-    assert came.status == 2 and told, came
-    assert "there is no" not in came.err
+    result = periph_sim(*(argument.replace("FILE", file) for argument in arguments))
+    report = [line for line in (result.err + result.out).splitlines() if "ot a regular file" in line]
+    assert result.status == 2 and report, result
+    assert "there is no" not in result.err
 
 
 ROOT = Path(__file__).resolve().parents[3]
 NACK, FRAMES = (str(ROOT / "traces" / name) for name in ("nack.sr", "host_frames.sr"))
 RESPONDER, LOGGER = (str(ROOT / "timing" / name) for name in ("responder.toml", "uart_logger.toml"))
 LONG = "9" * 5000
-LONGEST = 3000  # characters of all that is said, click's usage lines included
+LONGEST = 3000  # characters of the whole message, click's usage lines included
 
 OPTIONS = [
     ("decode", NACK, "--rate", LONG),
@@ -79,23 +79,23 @@ OPTIONS = [
 
 
 @pytest.mark.parametrize("arguments", OPTIONS, ids=lambda arguments: f"{arguments[0]} {arguments[-2][:12]}")
-def test_an_option_of_five_thousand_digits(periph_sim: Run, desk: Path, arguments: tuple[str, ...]):
-    came = periph_sim(*arguments)
-    assert came.status == 2 and came.out == ""
-    assert "Traceback" not in came.err and "Exceeds the limit" not in came.err
-    assert 0 < len(came.err) < LONGEST
+def test_the_message_about_a_very_long_option_is_short(periph_sim: Run, desk: Path, arguments: tuple[str, ...]):
+    result = periph_sim(*arguments)
+    assert result.status == 2 and result.out == ""
+    assert "Traceback" not in result.err and "Exceeds the limit" not in result.err
+    assert 0 < len(result.err) < LONGEST
 
 
 @pytest.mark.parametrize(
     "names", [["A" * 5000, "B" * 5000], [f"channel {n} {'C' * 200}" for n in range(64)]], ids=["long", "many"]
 )
 @pytest.mark.parametrize("command", [("decode",), ("compliance", "--mode", "fast"), ("replay", "--case", RESPONDER)])
-def test_channels_with_long_names_are_listed_in_short(periph_sim: Run, desk: Path, command, names: list[str]):
+def test_the_list_of_many_or_long_channel_names_is_short(periph_sim: Run, desk: Path, command, names: list[str]):
     Path("names.sr").write_bytes(
         zip_bytes({"version": b"2", "metadata": metadata(names, "1 MHz", 8), "logic-1-1": bytes(80)})
     )
-    came = periph_sim(command[0], "names.sr", *command[1:])
-    assert came.status == 2 and names[0][:20] in came.err and len(came.err) < LONGEST
+    result = periph_sim(command[0], "names.sr", *command[1:])
+    assert result.status == 2 and names[0][:20] in result.err and len(result.err) < LONGEST
 
 
 SHORT = ("--seconds", "0.001")
@@ -123,7 +123,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("arguments", CASES.values(), ids=CASES)
-def test_an_output_over_an_input(periph_sim: Run, desk: Path, arguments: tuple[str, ...]):
+def test_an_output_never_overwrites_an_input(periph_sim: Run, desk: Path, arguments: tuple[str, ...]):
     (desk / "link.toml").symlink_to("small.toml")
     (desk / "helper.py").touch()
     (desk / "still.py").write_text("from . import helper\n" + (desk / "still.py").read_text())
@@ -142,14 +142,16 @@ def test_an_output_over_an_input(periph_sim: Run, desk: Path, arguments: tuple[s
         (desk / name).parent.mkdir(exist_ok=True)
         (desk / name).write_text("as it was\n")
     before = {file: file.read_bytes() for file in desk.rglob("*") if file.is_file()}
-    came = periph_sim(*arguments)
-    assert came.status == 2
-    (told,) = [line for line in came.err.splitlines() if not line.startswith("the compiled core was built of other")]
-    assert "found a file that this command reads, expected a file that is no input" in told
+    result = periph_sim(*arguments)
+    assert result.status == 2
+    (report,) = [
+        line for line in result.err.splitlines() if not line.startswith("the compiled core was built of other")
+    ]
+    assert "found a file that this command reads, expected a file that is no input" in report
     assert {file: file.read_bytes() for file in desk.rglob("*") if file.is_file()} == before
 
 
-def test_a_baseline_may_be_renewed(periph_sim: Run, desk: Path):
+def test_update_baseline_overwrites_a_baseline(periph_sim: Run, desk: Path):
     for _ in range(2):
         assert periph_sim("check", "small.toml", "--update-baseline", "--junit", "out.xml").status in (0, 1)
     assert (desk / "baselines" / "small.json").is_file()

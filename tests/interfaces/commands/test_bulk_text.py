@@ -1,4 +1,4 @@
-"""Columns of characters against Python's own formatting, and times against fractions."""
+"""Columns of characters against Python's own formatting, and times against exact fractions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def lines(*columns: Digits | Literal | Words | Sparse, count: int) -> list[str]:
 
 @given(NUMBERS, st.integers(0, 12))
 @settings(max_examples=80, deadline=None)
-def test_numbers_as_python_writes_them(values: list[int], decimals: int):
+def test_numbers_are_formatted_as_python_formats_them(values: list[int], decimals: int):
     def written(value: int) -> str:
         digits = str(value).rjust(decimals + 1, "0")
         return f"{digits[:-decimals]}.{digits[-decimals:]}" if decimals else digits
@@ -34,7 +34,7 @@ def test_numbers_as_python_writes_them(values: list[int], decimals: int):
     assert lines(Digits(given_values, decimals, BLANK, 25), count=len(values)) == [e.rjust(25) for e in expected]
 
 
-def test_words_are_asked_for_once_however_many_lines_there_are():
+def test_the_word_of_a_code_is_computed_once():
     asked = []
 
     def word(code: int) -> str:
@@ -74,5 +74,5 @@ def test_times_are_exact_or_rounded_and_never_too_large(positions: list[int], ra
 
 
 @pytest.mark.parametrize(("rate", "decimals"), [(1, 0), (4_000_000, 8), (500_000, 6), (24_000_000, 12), (10**9, 9)])
-def test_as_many_decimals_as_the_period_has(rate: int, decimals: int):
+def test_times_have_as_many_decimals_as_the_sample_period(rate: int, decimals: int):
     assert Clock.for_rate(Fraction(rate)).decimals == decimals

@@ -1,4 +1,4 @@
-"""`--cluster`: workers of Dask in place of processes; the same results, also if a worker is killed in the middle."""
+"""`--cluster`: Dask workers replace local processes; the results are equal, even after a worker was killed."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from periph_sim.interfaces.reports.cluster_worker import Session
 from tests.interfaces.commands.conftest import Run
 
 needs_dask = pytest.mark.skipif(
-    importlib.util.find_spec("distributed") is None, reason="the extra dask is not there: pip install -e '.[dask]'"
+    importlib.util.find_spec("distributed") is None, reason="the extra dask is not installed: pip install -e '.[dask]'"
 )
 CASE = """\
 name = "small"
@@ -81,7 +81,7 @@ def main(dsp, settings):
         dsp.compute(150)
 """
 PROVE = ("prove", "small.toml", "--phases", "0 us to 10 us", "--step", "1", "--json")  # 1500 phases: 3 parts
-MOST = 60.0  # seconds after which a process that does not answer fails a test
+MOST = 60.0  # seconds; a process that does not answer by then fails the test
 Process = subprocess.Popen[bytes]
 
 
@@ -109,7 +109,7 @@ class Cluster:
         return self
 
     def _has_these_workers(self) -> bool:
-        """True if exactly these workers are registered: one that joined late could find no part left."""
+        """True if exactly these workers are registered: one that registers later might get no part."""
         from distributed import Client
 
         with Client(self.address, set_as_default=False) as client:
@@ -182,13 +182,13 @@ def workers_of(folder: Path) -> Counter[int]:
 def test_results_are_those_without_a_cluster(
     case: Path, cluster: Cluster, periph_sim: Run, arguments: tuple[str, ...]
 ) -> None:
-    """Firmware that ends its process costs its run or case only."""
+    """Firmware that ends its process fails its own run or case only."""
     (case / "broken.toml").write_text(CASE.format(limit="0.5 us"), encoding="utf-8")
     (case / "dying.toml").write_text(CASE.format(limit="30 us").replace("false", "true"), encoding="utf-8")
     alone = periph_sim(*arguments, "--jobs", "2")
     (case / "runs").write_text("")
-    came = periph_sim(*arguments, "--cluster", cluster.with_workers(2).address)
-    assert came.told == alone.told and came.status == alone.status != 0
+    outcome = periph_sim(*arguments, "--cluster", cluster.with_workers(2).address)
+    assert outcome.json_object == alone.json_object and outcome.status == alone.status != 0
     assert workers_of(case).keys() <= {worker.pid for worker in cluster.workers} and workers_of(case)
 
 
@@ -197,10 +197,10 @@ def test_a_changed_case_is_read_again_by_the_same_workers(case: Path, cluster: C
     verdicts = []
     for limit in ("30 us", "0.5 us"):
         (case / "small.toml").write_text(CASE.format(limit=limit), encoding="utf-8")
-        came = periph_sim(
+        outcome = periph_sim(
             "prove", "small.toml", "--phases", "0 us to 1 us", "--json", "--cluster", cluster.with_workers(1).address
         )
-        verdicts.append(came.told["budgets"]["work"]["verdict"])
+        verdicts.append(outcome.json_object["budgets"]["work"]["verdict"])
     assert verdicts == ["held", "broken"]
 
 
@@ -240,7 +240,7 @@ class OneThread:
         self.pool.shutdown()
 
 
-def test_a_call_gets_all_its_arguments() -> None:
+def test_the_executor_passes_all_arguments() -> None:
     with closing(of.ClusterExecutor(OneThread(), "here")) as executor:
         assert executor.submit(sorted, [1, 3, 2], reverse=True).result(MOST) == [3, 2, 1]
         assert executor.submit(sorted, [1, 3, 2]).result(MOST) == [1, 2, 3]
@@ -251,9 +251,9 @@ def test_a_call_gets_all_its_arguments() -> None:
 def when_held(
     case: Path, cluster: Cluster, workers: Sequence[Process], act: Callable[[], object], monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[None]:
-    """Call `act` when each of these workers waits in its third part, and all other parts that were begun have come.
+    """Call `act` when each of these workers waits in its third part and the results of all other begun parts arrived.
 
-    A part has 25 phases and is one run. There are many, so that a busy computer leaves no worker without its third.
+    A part has 25 phases and is one run. There are many parts, so that every worker gets a third one on a busy machine.
     """
     come: list[of.ClusterExecutor] = []
     ended = Event()
@@ -291,10 +291,10 @@ def test_a_killed_worker_costs_its_unfinished_part_only(
 ) -> None:
     killed, other = cluster.with_workers(2).workers
     with when_held(case, cluster, [killed], killed.kill, monkeypatch):
-        came = periph_sim(*PROVE, "--cluster", cluster.address)
+        outcome = periph_sim(*PROVE, "--cluster", cluster.address)
     runs = workers_of(case)
-    answer = came.told
-    assert answer == periph_sim(*PROVE, "--jobs", "1").told and came.status == 0
+    answer = outcome.json_object
+    assert answer == periph_sim(*PROVE, "--jobs", "1").json_object and outcome.status == 0
     assert (runs[killed.pid], runs[other.pid]) == (3, answer["runs"] - 2)
 
 
@@ -306,17 +306,17 @@ def test_a_cluster_and_jobs_exclude_each_other(case: Path, periph_sim: Run) -> N
 
 
 @pytest.mark.parametrize("arguments", [PROVE, ("sweep", "small.toml", "--vary", "seed=1"), ("check", "small.toml")])
-def test_without_dask_a_sentence_says_how_to_install_it(
+def test_without_dask_the_error_says_how_to_install_it(
     case: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
 ) -> None:
     monkeypatch.setattr(of, "find_spec", lambda name: None)
-    said = "--cluster needs Dask, which is not installed; use: pip install 'periph-sim[dask]'"
-    assert periph_sim.refused(*arguments, "--cluster", "127.0.0.1:1") == said
+    message = "--cluster needs Dask, which is not installed; use: pip install 'periph-sim[dask]'"
+    assert periph_sim.refused(*arguments, "--cluster", "127.0.0.1:1") == message
 
 
 @contextmanager
 def ended_after(seconds: float, end: Callable[[], object]) -> Iterator[None]:
-    """Call `end` if the block takes longer than this, so that a test fails in place of waiting for ever."""
+    """Call `end` if the block takes longer than this, so that the test fails instead of hanging."""
     timer = Timer(seconds, end)
     timer.start()
     try:
@@ -326,10 +326,10 @@ def ended_after(seconds: float, end: Callable[[], object]) -> Iterator[None]:
 
 
 @needs_dask
-def test_an_address_without_a_scheduler_is_a_sentence(
+def test_an_address_without_a_scheduler_is_an_error(
     case: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nothing listens, or a server that never answers; or the address is none."""
+    """Nothing listens at the address, or a server that never answers, or the address has no port."""
     monkeypatch.setattr(of, "CONNECT", 0.3)
     with socket.create_server(("127.0.0.1", 0)) as server, ended_after(MOST / 3, server.close):
         silent = f"127.0.0.1:{server.getsockname()[1]}"
@@ -337,9 +337,9 @@ def test_an_address_without_a_scheduler_is_a_sentence(
         nothing = f"127.0.0.1:{closed.getsockname()[1]}"
         closed.close()
         for address in (silent, nothing, "127.0.0.1"):
-            said = periph_sim.refused("sweep", "small.toml", "--vary", "seed=1", "--cluster", address)
-            assert said.startswith(f"--cluster {address}: no Dask scheduler answers (")
-            assert address != silent or "(no answer within 0.3 s)" in said
+            message = periph_sim.refused("sweep", "small.toml", "--vary", "seed=1", "--cluster", address)
+            assert message.startswith(f"--cluster {address}: no Dask scheduler answers (")
+            assert address != silent or "(no answer within 0.3 s)" in message
 
 
 @needs_dask
@@ -356,29 +356,33 @@ def test_without_any_worker_the_command_stops(
         monkeypatch.setattr(of, "LOST", 1.0)
 
     with when_held(case, cluster, workers, kill, monkeypatch):
-        came = periph_sim(*PROVE, "--cluster", cluster.address)
+        outcome = periph_sim(*PROVE, "--cluster", cluster.address)
     why = f"the Dask scheduler at {cluster.address} has had no worker for 1 s"
-    answer = came.told
+    answer = outcome.json_object
     assert answer["stopped"] == f"{why}; start one with `dask worker {cluster.address}`"
-    assert came.status == 2 and came.err.endswith(f"Error: {answer['stopped']}\n")
+    assert outcome.status == 2 and outcome.err.endswith(f"Error: {answer['stopped']}\n")
     assert 25 <= answer["phases"]["run"] < 1500
 
 
 @needs_dask
-def test_a_scheduler_that_is_killed_leaves_what_is_finished(
+def test_the_finished_parts_are_kept_if_the_scheduler_is_killed(
     case: Path, cluster: Cluster, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The last test, since it ends the cluster. What was saved is continued without a cluster."""
+    """This must be the last test, because it ends the cluster. The saved part is continued without a cluster."""
     workers = cluster.with_workers(1).workers
     with when_held(case, cluster, workers, cluster.scheduler.kill, monkeypatch):
-        came = periph_sim(*PROVE, "--save", "--cluster", cluster.address)
-    answer = came.told
+        outcome = periph_sim(*PROVE, "--save", "--cluster", cluster.address)
+    answer = outcome.json_object
     why = f"the Dask scheduler at {cluster.address} does not answer any more"
-    assert (came.status, answer["stopped"]) == (2, why)
-    assert came.err.endswith(f"\nError: {why}\n") and "Traceback" not in came.err and "distributed" not in came.err
+    assert (outcome.status, answer["stopped"]) == (2, why)
+    assert (
+        outcome.err.endswith(f"\nError: {why}\n")
+        and "Traceback" not in outcome.err
+        and "distributed" not in outcome.err
+    )
     assert not any(logging.getLogger(name).isEnabledFor(logging.CRITICAL) for name in of.LOGGERS)
     assert 25 <= answer["phases"]["run"] < 1500
     saved = json.loads((case / "coverage" / "small.json").read_text())
     assert 1 <= saved["finished"] < saved["parts"]
-    whole = periph_sim(*PROVE, "--save", "--jobs", "1").told
-    assert {**whole, "written": []} == periph_sim(*PROVE, "--jobs", "1").told
+    whole = periph_sim(*PROVE, "--save", "--jobs", "1").json_object
+    assert {**whole, "written": []} == periph_sim(*PROVE, "--jobs", "1").json_object

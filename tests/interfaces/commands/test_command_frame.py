@@ -1,4 +1,4 @@
-"""Lines and tables are those that rich prints, which is not imported; a long interpreted run suggests to compile."""
+"""Lines and tables equal those of rich, which is not imported; a long interpreted run suggests compiling the core."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ def styled(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> b
 
 
 @pytest.mark.parametrize("line", LINES, ids=range(len(LINES)))
-def test_a_line_is_as_rich_writes_it(line: str, styled: bool, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_line_equals_that_of_rich(line: str, styled: bool, capsys: pytest.CaptureFixture[str]) -> None:
     say(line, style="bold")
     assert capsys.readouterr().out == by_rich(styled, (line, "bold"))
 
 
 @pytest.mark.parametrize("columns", [20, 80, 101, 132])
-def test_a_table_is_as_rich_writes_it_and_never_below_80_columns(
+def test_a_table_equals_that_of_rich_at_80_columns_or_more(
     columns: int, styled: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
@@ -77,17 +77,17 @@ def interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv(form.VARIABLE, raising=False)
 
 
-def test_a_long_interpreted_run_is_told_what_it_costs_and_the_way_out(interpreted: None) -> None:
+def test_a_long_interpreted_run_suggests_compiling_the_core(interpreted: None) -> None:
     assert cost_of_form(LONG + 0.2) == f"interpreted, in 5 s; compiled, a run takes {SHARE} of that: make core"
 
 
-def test_outside_of_a_clone_the_way_is_the_packages_own(interpreted: None, monkeypatch, tmp_path) -> None:
+def test_an_installed_package_suggests_its_own_build_command(interpreted: None, monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(form, "PACKAGE", tmp_path / "site-packages" / "periph_sim")
     assert cost_of_form(60).endswith(": python -m periph_sim.form.build")
 
 
 @pytest.mark.parametrize("why", ["short", "compiled", "told already", "asked for"])
-def test_else_nothing_is_told(interpreted: None, monkeypatch: pytest.MonkeyPatch, why: str) -> None:
+def test_otherwise_there_is_no_suggestion(interpreted: None, monkeypatch: pytest.MonkeyPatch, why: str) -> None:
     if why == "compiled":
         monkeypatch.setattr(form, "running", form.COMPILED)
     elif why == "told already":
@@ -97,14 +97,14 @@ def test_else_nothing_is_told(interpreted: None, monkeypatch: pytest.MonkeyPatch
     assert cost_of_form(LONG - 0.1 if why == "short" else 60) == ""
 
 
-def test_where_nobody_looks_there_is_no_bar_and_no_line(interpreted: None, monkeypatch, capsys) -> None:
+def test_without_a_terminal_there_is_no_progress_bar_and_no_suggestion(interpreted: None, monkeypatch, capsys) -> None:
     monkeypatch.setattr("periph_sim.interfaces.commands.command_frame.LONG", 0)
     with progress("case") as told:
         assert told is None
     assert capsys.readouterr() == ("", "")
 
 
-def test_on_a_terminal_the_line_comes_after_the_bar(interpreted: None, monkeypatch, capsys) -> None:
+def test_on_a_terminal_the_suggestion_follows_the_progress_bar(interpreted: None, monkeypatch, capsys) -> None:
     monkeypatch.setattr("periph_sim.interfaces.commands.command_frame.LONG", 0)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with progress("case") as told:

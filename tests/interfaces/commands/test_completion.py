@@ -59,7 +59,7 @@ def ask(monkeypatch: pytest.MonkeyPatch, *words: str) -> None:
 def complete(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., list[str]]:
-    """Return a function that returns what is printed for a line, whose last word is not finished."""
+    """Return a function that returns the completions of a line whose last word is unfinished."""
     (here / "case.toml").write_text(CASE, encoding="utf-8")
     monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # not pytest
 
@@ -143,7 +143,7 @@ def test_every_key_of_a_case_is_completed():
 
 
 @pytest.mark.parametrize(("name", "option"), TAKES_VALUES)
-def test_completion_loads_no_arrays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, option: str):
+def test_completion_does_not_import_numpy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, option: str):
     case = tmp_path / "case.toml"
     case.write_text(CASE, encoding="utf-8")
     words = [] if name in ("regs", "new") else [str(case)]
@@ -154,7 +154,7 @@ def test_completion_loads_no_arrays(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     assert "numpy" not in loaded
 
 
-def test_bash_completes_with_the_script_that_is_printed(tmp_path: Path):
+def test_bash_completes_with_the_printed_script(tmp_path: Path):
     if os.name != "posix" or shutil.which("bash") is None:
         pytest.skip("there is no bash")
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")

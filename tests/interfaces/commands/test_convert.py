@@ -1,4 +1,4 @@
-"""`periph-sim convert`: what it writes, what it says, and what it refuses."""
+"""`periph-sim convert`: the files that it writes, its output, and the inputs that it rejects."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ NAMES = ("imu_round.sr", "nack.sr", "host_frames.sr")
     ("name", "suffix"),
     [*((name, suffix) for name in NAMES for suffix in (".vcd", ".psr", ".csv")), ("imu_round.sr", ".fst")],
 )
-def test_there_and_back_and_decoded(periph_sim: Run, desk: Path, name: str, suffix: str):
+def test_a_capture_is_unchanged_after_conversion_there_and_back(periph_sim: Run, desk: Path, name: str, suffix: str):
     given = formats.read(TRACES / name)
     for source, out in ((str(TRACES / name), f"a{suffix}"), (f"a{suffix}", "b.psr"), ("b.psr", f"c{suffix}")):
         assert "note:" not in periph_sim.passes("convert", source, out, "--rate", f"{given.rate}")
@@ -49,7 +49,7 @@ def events(capture: formats.Capture) -> list[object]:
     return list(i2c.events(capture))
 
 
-def test_a_few_channels_in_another_order(periph_sim: Run, desk: Path):
+def test_selected_channels_are_written_in_the_given_order(periph_sim: Run, desk: Path):
     periph_sim("convert", NACK, "x.psr", "--channels", "SDA, 0")
     assert [channel.name for channel in formats.read("x.psr").channels] == ["SDA", "SCL"]
 
@@ -64,42 +64,42 @@ def test_a_window_begins_at_position_0(periph_sim: Run, desk: Path, window: str)
         assert part.edges.tolist() == inside.tolist()
 
 
-def test_a_window_for_a_document(periph_sim: Run, desk: Path):
+def test_a_window_is_written_as_a_wavedrom_diagram(periph_sim: Run, desk: Path):
     periph_sim.passes("convert", NACK, "x.wavedrom.json", "--window", "90 us..200 us")
     shown = json.loads(Path("x.wavedrom.json").read_text())
     assert [lane["name"] for lane in shown["signal"]] == ["SCL", "SDA"]
     assert shown["foot"] == {"text": "110 bricks, 1 us each"}
 
 
-def test_another_rate_is_what_an_analyser_of_it_would_have_seen(periph_sim: Run, desk: Path):
-    came = periph_sim("convert", NACK, "x.psr", "--sample", "1 MHz")
-    assert "x.psr: 2 channels, 158 edges, 0.001165 s in samples of 1 MHz" in came.out
+def test_resampling_reports_the_pulses_that_are_lost(periph_sim: Run, desk: Path):
+    result = periph_sim("convert", NACK, "x.psr", "--sample", "1 MHz")
+    assert "x.psr: 2 channels, 158 edges, 0.001165 s in samples of 1 MHz" in result.out
     assert formats.read("x.psr").rate == 10**6
     lossy = periph_sim("convert", NACK, "y.psr", "--sample", "100 kHz")
     assert "note: channel SCL: pulses that fall between two samples of 100 kHz are lost: 57\n" in lossy.out
 
 
-def test_a_run_becomes_any_recording_and_any_capture(periph_sim: Run, desk: Path):
+def test_a_recorded_run_converts_to_every_format(periph_sim: Run, desk: Path):
     assert periph_sim("run", "small.toml", "--record", "run.psr").status == 0
-    for out, said in (
+    for out, message in (
         ("run.perfetto.json", "run.perfetto.json: "),
         ("run.vcd", "run.vcd: "),
         ("run.sr", "run.sr: "),
         ("run.fst", "run.fst: "),
         ("run.jsonl", "run.jsonl: "),
     ):
-        came = periph_sim("convert", "run.psr", out)
-        assert came.status == 0 and came.out.startswith(said) and " records, 0.03 s" in came.out
-    came = periph_sim("convert", "run.psr", "wires.csv")
-    assert came.out.startswith(
+        result = periph_sim("convert", "run.psr", out)
+        assert result.status == 0 and result.out.startswith(message) and " records, 0.03 s" in result.out
+    result = periph_sim("convert", "run.psr", "wires.csv")
+    assert result.out.startswith(
         "wires.csv: 2 channels, 56 edges, 0.03 s in ticks of 3 GHz\nnote: times are rounded to 11"
     )
     wires = periph_sim("convert", "run.psr", "wires.vcd", "--channels", "SDA,SCL", "--sample", "10 MHz")
     assert wires.out.startswith("wires.vcd: 2 channels, 56 edges, 0.03 s in samples of 10 MHz")
 
 
-def test_a_session_of_a_125_mhz_export_has_its_samples_and_not_nanoseconds(periph_sim: Run, desk: Path):
-    """Two edges a second apart, exported with nine decimals: a session of their own grid, not of 1 GHz."""
+def test_a_session_of_a_125_mhz_export_has_that_sample_rate(periph_sim: Run, desk: Path):
+    """Times have nine decimals, but all edges are on the 8 ns grid, so the session has 125 MHz and not 1 GHz."""
     rows = ["Time [s],SCL", "0.000000000,1", "0.000000504,0", "0.000000640,1", "0.013200008,0", "0.013200016,0"]
     Path("logic2.csv").write_text("\n".join(rows) + "\n")
     assert periph_sim.passes("convert", "logic2.csv", "a.sr").splitlines() == [
@@ -111,18 +111,18 @@ def test_a_session_of_a_125_mhz_export_has_its_samples_and_not_nanoseconds(perip
     assert formats.read("b.sr").channels[0].edges.tolist() == [63, 80, 1_650_001]
 
 
-def test_what_is_not_kept_is_told(periph_sim: Run, desk: Path):
+def test_information_that_a_format_cannot_hold_is_a_note(periph_sim: Run, desk: Path):
     gap = b"Time [s],My SDA\n0.0,1\n0.000001,X\n0.000002,0\n0.000003,0\n"
     Path("gap.csv").write_bytes(gap)
-    came = periph_sim("convert", "gap.csv", "gap.vcd")
-    assert came.out == (
+    result = periph_sim("convert", "gap.csv", "gap.vcd")
+    assert result.out == (
         "gap.vcd: 1 channel, 1 edge, 3.001e-06 s in ticks of 1 GHz\n"
         "note: names that VCD cannot hold were changed: 'My SDA' My_SDA\n"
     )
     assert formats.read("gap.vcd").channels[0].unknown == (formats.Span(1000, 2000),)
-    came = periph_sim("convert", "gap.csv", "gap.sr")
-    assert came.out.count("note: ") == 1
-    assert "note: a session has no unknown levels: those of My SDA are written as the level before them" in came.out
+    result = periph_sim("convert", "gap.csv", "gap.sr")
+    assert result.out.count("note: ") == 1
+    assert "note: a session has no unknown levels: those of My SDA are written as the level before them" in result.out
 
 
 @pytest.mark.parametrize("suffix", [".vcd", ".fst", ".csv", ".sr", ".psr"])
@@ -136,7 +136,7 @@ def test_what_is_not_kept_is_told(periph_sim: Run, desk: Path):
         "x.y,,x",  # an empty name gets a number
     ],
 )
-def test_channels_whose_names_or_order_a_format_changes_are_kept(periph_sim: Run, desk: Path, names: str, suffix: str):
+def test_channels_keep_their_edges_if_names_or_order_change(periph_sim: Run, desk: Path, names: str, suffix: str):
     rows = [f"Time [s],{names}", "0.000,0,0,1", "0.001,1,0,1", "0.002,1,1,1", "0.003,0,0,0", "0.004,0,1,0"]
     Path("given.csv").write_text("\n".join(rows) + "\n")
     periph_sim.passes("convert", "given.csv", f"out{suffix}")
@@ -189,7 +189,7 @@ def test_edges_that_a_writer_swaps_are_an_error(periph_sim: Run, desk: Path, mon
         ([NACK, "no/x.vcd"], "no/x.vcd, its place: found no such file or directory, expected a place that can be "),
     ],
 )
-def test_mistakes_are_one_sentence_and_nothing_is_left(
+def test_bad_input_is_one_error_message_and_leaves_no_file(
     periph_sim: Run, desk: Path, arguments: list[str], sentence: str
 ):
     before = sorted(desk.iterdir())
@@ -198,16 +198,16 @@ def test_mistakes_are_one_sentence_and_nothing_is_left(
 
 
 @pytest.mark.parametrize("same", ["x.psr", "./x.psr", "link.psr"])
-def test_out_must_not_be_in(periph_sim: Run, desk: Path, same: str):
+def test_out_and_in_must_be_different_files(periph_sim: Run, desk: Path, same: str):
     formats.write(formats.read(NACK), "x.psr")
     Path("link.psr").symlink_to("x.psr")
     content = Path("x.psr").read_bytes()
-    said = f"{Path(same)}: IN and OUT are one file; give another name for OUT"
-    assert periph_sim.refused("convert", "x.psr", same) == said
+    message = f"{Path(same)}: IN and OUT are one file; give another name for OUT"
+    assert periph_sim.refused("convert", "x.psr", same) == message
     assert Path("x.psr").read_bytes() == content
 
 
-def test_a_damaged_file_up_to_the_damage(periph_sim: Run, desk: Path):
+def test_a_damaged_file_is_converted_up_to_the_damage(periph_sim: Run, desk: Path):
     formats.write(formats.read(NACK), "x.vcd")
     content = Path("x.vcd").read_bytes()
     Path("cut.vcd").write_bytes(content[: len(content) // 2] + b"\n#12 quack")
@@ -217,8 +217,8 @@ def test_a_damaged_file_up_to_the_damage(periph_sim: Run, desk: Path):
     assert 10 < len(kept) < len(whole) and kept.tolist() == whole[: len(kept)].tolist()
 
 
-def test_a_damaged_time_stamp_becomes_no_gigabytes_of_samples(periph_sim: Run, desk: Path):
-    """The last of three edges in a file of nanoseconds is 16.5 s late."""
+def test_a_damaged_time_stamp_does_not_produce_gigabytes_of_samples(periph_sim: Run, desk: Path):
+    """The last edges of a file with a timescale of 1 ns have a time stamp of 16.5 s."""
     Path("x.vcd").write_text(
         "$timescale 1 ns $end $var wire 1 ! SCL $end $enddefinitions $end\n"
         "#0 1!\n#100 0!\n#300 1!\n#16500000400 0!\n#16500000500\n"

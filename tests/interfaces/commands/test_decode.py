@@ -1,4 +1,4 @@
-"""`periph-sim decode` as its user meets it: on the traces of the repository, and with every mistake one can make."""
+"""`periph-sim decode` on the traces of the repository and with wrong options."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ NACK = TRACES / "nack.sr"
 FRAMES = TRACES / "host_frames.sr"
 
 
-def both(folder: Path) -> str:
-    """An I2C read and, beginning within it, two serial frames; the channels have other names."""
+def i2c_and_uart(folder: Path) -> str:
+    """Write a capture of an I2C read during which two serial frames begin. The channels have unusual names."""
     bus = I2cWave(20, 5, idle=100)
     read_registers(bus, 0x53, 0x00, (0xE5,))
     bus.idle(400)
@@ -37,16 +37,16 @@ def both(folder: Path) -> str:
 
 
 def test_an_idle_serial_line_beside_an_i2c_bus_is_a_note(periph_sim: Run, tmp_path: Path):
-    """As in a recording of an I2C-only case of ours, whose RX never moves."""
+    """A recording of a case that uses I2C only has such an RX line, which never changes."""
     bus = I2cWave(20, 5, idle=100)
     read_registers(bus, 0x53, 0x00, (0xE5,))
     bus.idle(40)
     path = sr_file(tmp_path / "run.sr", ["SCL", "SDA", "RX"], "4 MHz", bytes(sample | 4 for sample in bus.samples))
-    came = periph_sim("decode", path, "--transfers")
-    assert came.status == 0 and came.err == "note: RX is high throughout: nothing to decode\n"
-    assert came.out.splitlines() == ["    time_s  transfer", "0.00002500  S 53 W A 00 A Sr 53 R A E5 N P"]
+    result = periph_sim("decode", path, "--transfers")
+    assert result.status == 0 and result.err == "note: RX is high throughout: nothing to decode\n"
+    assert result.out.splitlines() == ["    time_s  transfer", "0.00002500  S 53 W A 00 A Sr 53 R A E5 N P"]
     alone = periph_sim("decode", path, "--uart", "rx=RX,baud=auto")
-    assert alone.status == 0 and alone.err == came.err and alone.out.split() == ["time_s", "event", "value"]
+    assert alone.status == 0 and alone.err == result.err and alone.out.split() == ["time_s", "event", "value"]
 
 
 def test_a_serial_line_that_cannot_be_guessed_does_not_stop_the_others(periph_sim: Run, tmp_path: Path):
@@ -55,34 +55,34 @@ def test_a_serial_line_that_cannot_be_guessed_does_not_stop_the_others(periph_si
     path = sr_file(
         tmp_path / "two.sr", ["RX", "TX"], "1 MHz", bytes(bit | (n < 300) << 1 for n, bit in enumerate(line))
     )
-    came = periph_sim("decode", path)
-    assert came.status == 0 and "0x41 'A'" in came.out
-    assert "note: TX is not decoded: " in came.err and "describe it with --uart" in came.err
+    result = periph_sim("decode", path)
+    assert result.status == 0 and "0x41 'A'" in result.out
+    assert "note: TX is not decoded: " in result.err and "describe it with --uart" in result.err
 
 
-def test_a_guess_in_doubt_is_taken_on_request_only(periph_sim: Run, tmp_path: Path):
-    """One byte, which most rates and frames would fit."""
+def test_an_uncertain_guess_is_used_only_on_request(periph_sim: Run, tmp_path: Path):
+    """The capture has one byte, which fits most rates and frame formats."""
     path = sr_file(
         tmp_path / "one.sr", ["RX"], "1 MHz", uart_wave([(Fraction(10), frame_bits(0x41))], Fraction(10), 400)
     )
-    said = periph_sim.refused("decode", path)
-    assert said.startswith("RX is not decoded: in doubt, guessed 100000 baud, 8n1 (")
-    assert said.endswith("12% sure), which baud=auto would use; describe it with --uart")
-    came = periph_sim("decode", path, "--uart", "rx=RX,baud=auto")
-    assert came.status == 0 and "0x41 'A'" in came.out
-    assert came.err.endswith("12% sure); in doubt, so better state them\n")
+    message = periph_sim.refused("decode", path)
+    assert message.startswith("RX is not decoded: in doubt, guessed 100000 baud, 8n1 (")
+    assert message.endswith("12% sure), which baud=auto would use; describe it with --uart")
+    result = periph_sim("decode", path, "--uart", "rx=RX,baud=auto")
+    assert result.status == 0 and "0x41 'A'" in result.out
+    assert result.err.endswith("12% sure); in doubt, so better state them\n")
 
 
 @pytest.mark.parametrize("baud", [9600, 107_000, 230_400])
-def test_a_stated_rate_that_does_not_fit_is_a_note_with_the_one_that_does(periph_sim: Run, baud: int):
-    came = periph_sim("decode", str(FRAMES), "--uart", f"rx=RX,baud={baud}")
+def test_a_stated_rate_that_does_not_fit_is_a_note_with_the_fitting_rate(periph_sim: Run, baud: int):
+    result = periph_sim("decode", str(FRAMES), "--uart", f"rx=RX,baud={baud}")
     evidence = r"\d+ of \d+ frames have errors or edges between bits|most low pulses are [\d.]+ to [\d.]+ bits long"
-    said = f"note: RX: ({evidence}) at {baud} baud, 8n1; the edges fit "
-    assert came.status == 0 and re.fullmatch(said + "baud=115200\n", came.err)
+    message = f"note: RX: ({evidence}) at {baud} baud, 8n1; the edges fit "
+    assert result.status == 0 and re.fullmatch(message + "baud=115200\n", result.err)
     assert periph_sim("decode", str(FRAMES), "--uart", "rx=RX,baud=115200").err == ""
 
 
-def test_buses_of_one_capture_are_told_apart_by_their_names(periph_sim: Run, tmp_path: Path):
+def test_buses_of_one_capture_are_distinguished_by_their_names(periph_sim: Run, tmp_path: Path):
     bus, other = I2cWave(20, 5), I2cWave(20, 5)
     bus.idle(100)
     read_registers(bus, 0x53, 0x00, (0xE5,))
@@ -93,27 +93,27 @@ def test_buses_of_one_capture_are_told_apart_by_their_names(periph_sim: Run, tmp
     samples = bytes(a | b << 2 for a, b in zip(bus.samples, other.samples, strict=True))
     names = ["Sensor SCL", "Sensor SDA", "24LC515 SCL", "24LC515 SDA", "SDA_X"]
     path = sr_file(tmp_path / "two.sr", names, "4 MHz", samples)
-    came = periph_sim("decode", path, "--transfers")
-    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()] == [
+    result = periph_sim("decode", path, "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in result.out.splitlines()] == [
         "bus                          transfer",
         "i2c Sensor SCL/Sensor SDA    S 53 W A 00 A Sr 53 R A E5 N P",
         "i2c 24LC515 SCL/24LC515 SDA  S 50 W A 10 A Sr 50 R A 77 N P",
     ]
-    assert came.err == ("note: SDA_X is not decoded: which SCL belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL\n")
+    assert result.err == ("note: SDA_X is not decoded: which SCL belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL\n")
 
 
-def test_what_nobody_recorded_and_a_rate_that_cannot_be_true_are_notes(periph_sim: Run, tmp_path: Path):
+def test_unrecorded_spans_and_an_impossible_rate_are_notes(periph_sim: Run, tmp_path: Path):
     (tmp_path / "gap.csv").write_text("Time [s],SCL,SDA\n0.0,1,1\n0.001,X,1\n0.002,1,1\n0.003,1,1\n")
-    came = periph_sim("decode", str(tmp_path / "gap.csv"))
-    assert came.status == 0
-    assert came.err.startswith("note: SCL and SDA: 1 span was not recorded, 0.001000000 s in all, 0.001000000 s to ")
-    came = periph_sim("decode", str(NACK), "--rate", "1 Hz")
-    assert came.status == 0 and "start" in came.out
-    assert "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; then all times are wrong; state" in came.err
+    result = periph_sim("decode", str(tmp_path / "gap.csv"))
+    assert result.status == 0
+    assert result.err.startswith("note: SCL and SDA: 1 span was not recorded, 0.001000000 s in all, 0.001000000 s to ")
+    result = periph_sim("decode", str(NACK), "--rate", "1 Hz")
+    assert result.status == 0 and "start" in result.out
+    assert "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; then all times are wrong; state" in result.err
 
 
 def test_a_glitch_in_samples_of_time_stamps_is_counted_on_their_grid(periph_sim: Run, tmp_path: Path):
-    """125 MHz exported in nanoseconds: ten samples are 80 ns."""
+    """The times are nanoseconds of a 125 MHz capture, so ten samples are 80 ns."""
     rows = [(0, 1), (80, 0), (160, 1), (800, 0), (808, 1), (9_000, 1)]
     text = "".join(f"{at / 1e9:.9f},1,{sda}\n" for at, sda in rows)
     (tmp_path / "spikes.csv").write_text("Time [s],SCL,SDA\n" + text)
@@ -125,10 +125,10 @@ def test_a_glitch_in_samples_of_time_stamps_is_counted_on_their_grid(periph_sim:
     assert [starts(glitch) for glitch in ("8ns", "9ns", "80ns", "81ns")] == [2, 1, 1, 0]
 
 
-def test_events_one_a_line(periph_sim: Run):
-    came = periph_sim("decode", str(NACK))
-    assert came.status == 0 and came.err == ""
-    assert came.out.splitlines()[:8] == [
+def test_each_line_is_an_event(periph_sim: Run):
+    result = periph_sim("decode", str(NACK))
+    assert result.status == 0 and result.err == ""
+    assert result.out.splitlines()[:8] == [
         "    time_s  event           value",
         "0.00010000  start",
         "0.00011000  address         0x53      write",
@@ -140,7 +140,7 @@ def test_events_one_a_line(periph_sim: Run):
     ]
 
 
-def test_transfers_one_a_line(periph_sim: Run):
+def test_each_line_is_a_transfer(periph_sim: Run):
     assert periph_sim("decode", str(NACK), "--transfers").out.splitlines() == [
         "    time_s  transfer",
         "0.00010000  S 53 W N P",
@@ -155,15 +155,15 @@ def test_times_are_exact_and_ends_are_shown(periph_sim: Run):
     assert lines[2].split() == ["0.00011000", "0.00018500", "440", "740", "address", "0x53", "write"]
 
 
-def test_serial_frames_and_a_guessed_rate(periph_sim: Run):
-    came = periph_sim("decode", str(FRAMES))
-    assert came.err.startswith("note: RX: guessed 115200 baud, 8n1 (")
-    assert came.out.splitlines()[3].split(maxsplit=2) == ["0.000474", "frame", "0x69 'i'"]
+def test_serial_frames_are_decoded_at_a_guessed_rate(periph_sim: Run):
+    result = periph_sim("decode", str(FRAMES))
+    assert result.err.startswith("note: RX: guessed 115200 baud, 8n1 (")
+    assert result.out.splitlines()[3].split(maxsplit=2) == ["0.000474", "frame", "0x69 'i'"]
     stated = periph_sim("decode", str(FRAMES), "--uart", "rx=RX,baud=115200")
-    assert stated.out == came.out and stated.err == ""
+    assert stated.out == result.out and stated.err == ""
 
 
-def test_bursts_of_frames(periph_sim: Run):
+def test_a_line_is_a_burst_of_frames(periph_sim: Run):
     assert periph_sim("decode", str(FRAMES), "--uart", "rx=RX,baud=115200", "--transfers").out.splitlines() == [
         "  time_s  transfer",
         "0.000300  00 00 69 03 2F F9 00 00 00 00 18 FC",
@@ -172,8 +172,8 @@ def test_bursts_of_frames(periph_sim: Run):
 
 
 def test_json_lines_hold_what_the_decoder_found(periph_sim: Run):
-    came = periph_sim("decode", str(NACK), "--format", "json")
-    objects = [json.loads(line) for line in came.out.splitlines()]
+    result = periph_sim("decode", str(NACK), "--format", "json")
+    objects = [json.loads(line) for line in result.out.splitlines()]
     events = i2c.events(formats.read(NACK))
     assert [found["position"] for found in objects] == [event.at for event in events]
     assert [found["value"] for found in objects if found["value"] is not None] == [
@@ -192,10 +192,10 @@ def test_json_lines_hold_what_the_decoder_found(periph_sim: Run):
     }
 
 
-def test_several_buses_stand_in_order_of_time(periph_sim: Run, tmp_path: Path):
+def test_events_of_several_buses_are_in_order_of_time(periph_sim: Run, tmp_path: Path):
     options = ("--i2c", "scl=clock,sda=data", "--uart", "rx=2,baud=100000")
-    came = periph_sim("decode", both(tmp_path), *options, "--format", "csv")
-    rows = list(csv.DictReader(io.StringIO(came.out)))
+    result = periph_sim("decode", i2c_and_uart(tmp_path), *options, "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(result.out)))
     times = [Fraction(row["time_s"]) for row in rows]
     assert times == sorted(times)
     assert [(row["bus"], row["value"]) for row in rows if row["value"]] == [
@@ -206,27 +206,27 @@ def test_several_buses_stand_in_order_of_time(periph_sim: Run, tmp_path: Path):
         ("i2c clock/data", str(0x53)),
         ("i2c clock/data", str(0xE5)),
     ]
-    came = periph_sim("decode", both(tmp_path), *options, "--transfers")
-    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()] == [
+    result = periph_sim("decode", i2c_and_uart(tmp_path), *options, "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in result.out.splitlines()] == [
         "bus             transfer",
         "i2c clock/data  S 53 W A 00 A Sr 53 R A E5 N P",
         "uart out, host  41 F3",
     ]
     for style in ("csv", "json"):
-        came = periph_sim("decode", both(tmp_path), *options, "--transfers", "--format", style)
-        read = csv.DictReader(io.StringIO(came.out)) if style == "csv" else map(json.loads, came.out.splitlines())
+        result = periph_sim("decode", i2c_and_uart(tmp_path), *options, "--transfers", "--format", style)
+        read = csv.DictReader(io.StringIO(result.out)) if style == "csv" else map(json.loads, result.out.splitlines())
         assert [row["transfer"] for row in read] == ["S 53 W A 00 A Sr 53 R A E5 N P", "41 F3"]
 
 
-def test_errors_and_cut_frames_are_said(periph_sim: Run, tmp_path: Path):
+def test_frames_with_errors_and_cut_frames_are_marked(periph_sim: Run, tmp_path: Path):
     frames = [
         (Fraction(50), [*frame_bits(0x31, 8, "odd")[:-1], 0]),
         (Fraction(400), [0] * 14),
         (Fraction(700), [0, 1, 0]),
     ]
     path = sr_file(tmp_path / "line.sr", ["RX"], "1 MHz", uart_wave(frames, Fraction(10), 738))
-    came = periph_sim("decode", path, "--uart", "rx=RX,baud=100000,format=8e1")
-    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()[1:]] == [
+    result = periph_sim("decode", path, "--uart", "rx=RX,baud=100000,format=8e1")
+    assert [line.split(maxsplit=1)[1] for line in result.out.splitlines()[1:]] == [
         "frame           0x31 '1'  parity error, frame error",
         "frame           0x00      frame error",
         "break",
@@ -236,7 +236,7 @@ def test_errors_and_cut_frames_are_said(periph_sim: Run, tmp_path: Path):
 
 @pytest.fixture
 def spike(tmp_path: Path) -> str:
-    """4B at 100 kbaud; a spike of a sample in the middle of its first bit, and one before it."""
+    """A capture of 0x4B at 100 kbaud with a spike of one sample in its first bit and another before the frame."""
     samples = bytearray(uart_wave([(Fraction(250), frame_bits(0x4B))], Fraction(40), 800))
     samples[250 + 60] ^= 1
     samples[100] ^= 1
@@ -252,15 +252,15 @@ def test_glitched_frames_and_rejected_starts_are_marked(periph_sim: Run, spike: 
     assert periph_sim(*asked).out.splitlines()[1:] == ["0.00002500  rejected start 4A(glitch)"]
 
 
-def test_a_vote_of_three_looks_reads_over_a_glitch(periph_sim: Run, spike: str):
-    came = periph_sim("decode", spike, "--uart", "rx=RX,baud=100000,vote")
-    assert came.out.splitlines()[-1] == "0.00006250  frame           0x4B 'K'  glitch"
+def test_a_vote_of_three_samples_ignores_a_glitch(periph_sim: Run, spike: str):
+    result = periph_sim("decode", spike, "--uart", "rx=RX,baud=100000,vote")
+    assert result.out.splitlines()[-1] == "0.00006250  frame           0x4B 'K'  glitch"
     assert "vote=3; expected vote without a value" in periph_sim.refused(
         "decode", spike, "--uart", "rx=RX,baud=100000,vote=3"
     )
 
 
-def test_glitches_are_left_out_on_request(periph_sim: Run, spike: str):
+def test_glitches_are_filtered_on_request(periph_sim: Run, spike: str):
     asked = ("decode", spike, "--uart", "rx=RX,baud=100000", "--transfers")
     for shortest in ("2", "300ns", "0.26us"):
         assert periph_sim(*asked, "--glitch", shortest).out.splitlines()[1:] == ["0.00006250  4B"]
@@ -273,13 +273,13 @@ def test_without_a_rate_positions_are_shown(periph_sim: Run, tmp_path: Path):
     read_registers(bus, 0x53, 0x00, (0xE5,))
     unsaid = metadata(["SCL", "SDA"], "").replace(b"samplerate=\n", b"")
     path.write_bytes(zip_bytes({"version": b"2", "metadata": unsaid, "logic-1-1": bytes(bus.samples)}))
-    came = periph_sim("decode", str(path), "--transfers")
-    assert came.out.splitlines() == ["position  transfer", "      10  S 53 W A 00 A Sr 53 R A E5 N P"]
+    result = periph_sim("decode", str(path), "--transfers")
+    assert result.out.splitlines() == ["position  transfer", "      10  S 53 W A 00 A Sr 53 R A E5 N P"]
     assert periph_sim("decode", str(path), "--transfers", "--rate", "1 MHz").out.split()[2] == "0.000010"
     assert "states no rate" in periph_sim("decode", str(path), "--glitch", "50ns").err
 
 
-def test_nothing_on_the_bus_is_no_mistake(periph_sim: Run, tmp_path: Path):
+def test_an_idle_bus_is_no_error(periph_sim: Run, tmp_path: Path):
     path = sr_file(tmp_path / "idle.sr", ["SCL", "SDA"], "1 MHz", bytes([3]) * 100)
     for more in ((), ("--transfers",), ("--times",)):
         assert len(periph_sim.passes("decode", path, *more).splitlines()) == 1
@@ -316,24 +316,24 @@ def test_nothing_on_the_bus_is_no_mistake(periph_sim: Run, tmp_path: Path):
         (("--format", "csv", "--json"), "--json and --format csv are two formats; give one of them"),
     ],
 )
-def test_a_mistake_gets_one_sentence(periph_sim: Run, options: tuple[str, ...], sentence: str):
+def test_a_wrong_option_is_one_error_message(periph_sim: Run, options: tuple[str, ...], sentence: str):
     assert sentence in periph_sim.refused("decode", str(NACK), *options)
 
 
-def test_channels_that_say_nothing_must_be_named(periph_sim: Run, tmp_path: Path):
+def test_channels_without_telling_names_must_be_mapped(periph_sim: Run, tmp_path: Path):
     path = sr_file(tmp_path / "plain.sr", ["0", "1"], "1 MHz", bytes([3]) * 100)
     assert "no channels are named scl and sda, rx or tx, it has 0 (index 0), 1 (index 1)" in periph_sim.refused(
         "decode", path
     )
 
 
-def test_a_file_that_is_not_there(periph_sim: Run, tmp_path: Path):
+def test_a_missing_file_is_an_error(periph_sim: Run, tmp_path: Path):
     assert "gone.sr, the file: found no such file or directory" in periph_sim.refused(
         "decode", str(tmp_path / "gone.sr")
     )
 
 
-def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path):
+def test_a_pipe_that_its_reader_closes_is_no_error(tmp_path: Path):
     bus = I2cWave(2, 1)
     bus.start()
     for _ in range(20_000):
@@ -353,7 +353,7 @@ def test_a_damaged_file_is_read_up_to_the_damage_on_request(periph_sim: Run, tmp
     path = tmp_path / "short.sr"
     path.write_bytes((TRACES / "imu_round.sr").read_bytes()[:6000])
     assert "--salvage" in periph_sim.refused("decode", str(path))
-    came = periph_sim("decode", str(path), "--salvage", "--transfers")
-    assert came.status == 0 and "note: " in came.err and "are dropped" in came.err
-    assert came.out.splitlines()[1].endswith("S 68 W A 1D A Sr 68 R A 00 A 12 A FF A F3 A 00 A 05 N P")
-    assert came.out.splitlines()[2].endswith("FB A [111111]")
+    result = periph_sim("decode", str(path), "--salvage", "--transfers")
+    assert result.status == 0 and "note: " in result.err and "are dropped" in result.err
+    assert result.out.splitlines()[1].endswith("S 68 W A 1D A Sr 68 R A 00 A 12 A FF A F3 A 00 A 05 N P")
+    assert result.out.splitlines()[2].endswith("FB A [111111]")

@@ -1,4 +1,4 @@
-"""Decoded buses for other tools, as those tools read them: tshark and text2pcap, sigrok-cli."""
+"""Decoded buses in the formats of other tools, read by those tools: tshark, text2pcap and sigrok-cli."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ needs_sigrok = pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="si
 
 @pytest.fixture
 def mixed(tmp_path: Path) -> Path:
-    """10-bit address 0x2A5 written and read again with a repeated START, a general call nobody answers, two frames."""
+    """Two messages to the 10-bit address 0x2A5, a general call without ACK, and two serial frames."""
     bus = I2cWave(20, 5, idle=100).play("S F4+ A5+ 11+ Sr F5+ 22- P .100 S 00- P .400")
     frames = [(Fraction(200 + 400 * n), frame_bits(0x41 + n)) for n in range(2)]
     line = uart_wave(frames, Fraction(40), len(bus.samples))
@@ -35,7 +35,7 @@ I2C, UART = ("--i2c", "scl=SCL,sda=SDA"), ("--uart", "rx=RX,baud=100000")
 
 
 def written(path: Path, style: str, *options: str) -> Path:
-    """What the command writes, beside the capture."""
+    """Write the output of decode in this format to a file beside the capture and return its path."""
     out = path.with_suffix(f".{style}")
     command = [sys.executable, "-m", "periph_sim", "decode", str(path), "--format", style]
     with out.open("wb") as file:
@@ -45,12 +45,12 @@ def written(path: Path, style: str, *options: str) -> Path:
 
 def tshark(path: Path, *fields: str) -> list[list[str]]:
     command = ["tshark", "-r", str(path), "-T", "fields", *(word for field in fields for word in ("-e", field))]
-    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    return [line.split("\t") for line in said.splitlines()]
+    message = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return [line.split("\t") for line in message.splitlines()]
 
 
 @needs_tshark
-def test_tshark_reads_messages_and_frames_from_pcapng(mixed: Path):
+def test_tshark_reads_i2c_messages_and_serial_frames_from_pcapng(mixed: Path):
     path = written(mixed, "pcapng", *I2C, *UART)
     shown = tshark(
         path, "frame.time_epoch", "frame.interface_name", "i2c.addr", "i2c.flags", "data.data", "frame.comment"
@@ -81,7 +81,7 @@ def test_text2pcap_makes_packets_of_a_hex_dump(
 
 @needs_sigrok
 @pytest.mark.parametrize("name", ["imu_round", "nack", "i2c_eeprom_busy"])
-def test_events_have_the_lines_of_sigrok(name: str, tmp_path: Path):
+def test_sigrok_lines_equal_those_of_sigrok_cli(name: str, tmp_path: Path):
     path = TRACES / f"{name}.sr"
     shutil.copy(path, tmp_path)
     ours = written(tmp_path / path.name, "sigrok", *I2C).read_text().splitlines()
@@ -89,19 +89,21 @@ def test_events_have_the_lines_of_sigrok(name: str, tmp_path: Path):
 
     def beginnings(lines: list[str]) -> set[tuple[str, str]]:
         split = (line.split(" ", 1) for line in lines)
-        return {(span.partition("-")[0], said) for span, said in split}
+        return {(span.partition("-")[0], message) for span, message in split}
 
-    bits_and_ways = {said for _, said in beginnings(theirs)} & {f"i2c-1: {w}" for w in ("0", "1", "Write", "Read")}
-    ours = [line for line in ours if "Cut" not in line]  # of bits that belong to no byte sigrok says nothing
+    bits_and_ways = {message for _, message in beginnings(theirs)} & {
+        f"i2c-1: {w}" for w in ("0", "1", "Write", "Read")
+    }
+    ours = [line for line in ours if "Cut" not in line]  # sigrok reports no bits outside of a byte
     assert beginnings(ours) == {one for one in beginnings(theirs) if one[1] not in bits_and_ways} and len(ours) > 10
 
 
-def test_a_hex_dump_holds_one_kind_of_bus(periph_sim: Run, mixed: Path):
-    said = "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
-    assert periph_sim.refused("decode", str(mixed), *I2C, *UART, "--format", "hexdump") == said
+def test_a_hex_dump_of_two_kinds_of_bus_is_rejected(periph_sim: Run, mixed: Path):
+    message = "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
+    assert periph_sim.refused("decode", str(mixed), *I2C, *UART, "--format", "hexdump") == message
 
 
-def test_packets_need_times(periph_sim: Run, tmp_path: Path):
+def test_packets_need_a_sample_rate(periph_sim: Run, tmp_path: Path):
     path = tmp_path / "x.sr"
     unsaid = metadata(["SCL", "SDA"], "").replace(b"samplerate=\n", b"")
     path.write_bytes(zip_bytes({"version": b"2", "metadata": unsaid, "logic-1-1": bytes([3, 1, 3])}))

@@ -1,4 +1,4 @@
-"""`periph-sim decode --json`: transfers and bursts as objects, and what reserved addresses are for."""
+"""`periph-sim decode --json`: transfers and bursts as objects, and the purpose of reserved addresses."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ NACK = Path(__file__).resolve().parents[3] / "traces" / "nack.sr"
 
 
 def test_json_has_a_transfer_as_an_object(periph_sim: Run):
-    came = periph_sim("decode", str(NACK), "--json")
-    objects = [json.loads(line) for line in came.out.splitlines()]
-    assert periph_sim("decode", str(NACK), "--transfers", "--format", "json").out == came.out
+    result = periph_sim("decode", str(NACK), "--json")
+    objects = [json.loads(line) for line in result.out.splitlines()]
+    assert periph_sim("decode", str(NACK), "--transfers", "--format", "json").out == result.out
     assert [found["transfer"] for found in objects] == [
         line.split(maxsplit=1)[1] for line in periph_sim("decode", str(NACK), "--transfers").out.splitlines()[1:]
     ]
@@ -55,13 +55,13 @@ def test_json_has_a_transfer_as_an_object(periph_sim: Run):
 
 
 def test_json_has_a_burst_of_frames_as_an_object(periph_sim: Run, tmp_path: Path):
-    """4B at 100 kbaud; a spike of a sample in the middle of its first bit, and one before it."""
+    """The capture has 0x4B at 100 kbaud with a spike of one sample in its first bit and another before the frame."""
     samples = bytearray(uart_wave([(Fraction(250), frame_bits(0x4B))], Fraction(40), 800))
     for at in (310, 100):
         samples[at] ^= 1
     path = sr_file(tmp_path / "spike.sr", ["RX"], "4 MHz", bytes(samples))
-    came = periph_sim("decode", path, "--uart", "rx=RX,baud=100000", "--json")
-    assert came.told["frames"] == [
+    result = periph_sim("decode", path, "--uart", "rx=RX,baud=100000", "--json")
+    assert result.json_object["frames"] == [
         {"time_s": 0.000025, "position": 100, "event": "rejected start", "value": None, "bits": 0, "faults": []},
         {"time_s": 0.0000625, "position": 250, "event": "frame", "value": 0x4A, "bits": 8, "faults": ["glitch"]},
     ]
@@ -72,7 +72,7 @@ def wave(folder: Path, steps: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("steps", "said", "told"),
+    ("steps", "text", "report"),
     [
         ("S 00+ 06+ P", "S 00 W(general call) A 06 A P", [(0, 7, "write", "general call")]),
         (
@@ -95,7 +95,7 @@ def wave(folder: Path, steps: str) -> str:
             "S 7A W(10-bit) A 2A5 A Sr 2A5 R(10-bit) A 12 N P",
             [(0x2A5, 10, "write", "10-bit"), (0x2A5, 10, "read", "10-bit")],
         ),
-        (  # asked again after a STOP, or with other high bits: nobody knows the lower half
+        (  # a read with other high bits: its lower address byte is unknown
             "S F4+ A5+ Sr F3+ 12- P",
             "S 7A W(10-bit) A 2A5 A Sr 79 R(10-bit) A 12 N P",
             [(0x2A5, 10, "write", "10-bit"), (0x79, 7, "read", "10-bit")],
@@ -103,30 +103,30 @@ def wave(folder: Path, steps: str) -> str:
     ],
 )
 def test_reserved_addresses_are_named(
-    periph_sim: Run, tmp_path: Path, steps: str, said: str, told: list[tuple[int, int, str, str | None]]
+    periph_sim: Run, tmp_path: Path, steps: str, text: str, report: list[tuple[int, int, str, str | None]]
 ):
     path = wave(tmp_path, steps)
-    found = periph_sim("decode", path, "--json").told
-    assert found["transfer"] == said
+    found = periph_sim("decode", path, "--json").json_object
+    assert found["transfer"] == text
     keys = ("address", "address_bits", "direction", "reserved")
-    assert [tuple(message[key] for key in keys) for message in found["messages"]] == told
+    assert [tuple(message[key] for key in keys) for message in found["messages"]] == report
     first = periph_sim("decode", path).out.splitlines()[2].split(maxsplit=3)
-    assert first[1] == "address" and first[3] == f"{told[0][2]}, {told[0][3]}"
+    assert first[1] == "address" and first[3] == f"{report[0][2]}, {report[0][3]}"
 
 
-def test_ten_bits_are_not_known_again_behind_a_stop(periph_sim: Run, tmp_path: Path):
+def test_a_10_bit_address_is_unknown_after_a_stop(periph_sim: Run, tmp_path: Path):
     path = wave(tmp_path, "S F4+ A5+ P S F5+ 12- P")
-    came = periph_sim("decode", path, "--transfers").out.splitlines()
-    assert [line.split(maxsplit=1)[1] for line in came[1:]] == [
+    result = periph_sim("decode", path, "--transfers").out.splitlines()
+    assert [line.split(maxsplit=1)[1] for line in result[1:]] == [
         "S 7A W(10-bit) A 2A5 A P",
         "S 7A R(10-bit) A 12 N P",
     ]
 
 
-def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path: Path):
-    """In the ACK slot of the address, and before the second data byte. Before a STOP there is no bit of a byte."""
+def test_json_has_position_and_duration_of_clock_stretching(periph_sim: Run, tmp_path: Path):
+    """SCL is held in the ACK slot of the address and before the second data byte. The hold before STOP is in none."""
     path = wave(tmp_path, "S 10100110: ~400 0: 11+ ~400 22+ ~400 P")
-    (message,) = periph_sim("decode", path, "--json").told["messages"]
+    (message,) = periph_sim("decode", path, "--json").json_object["messages"]
     first, second = message["stretches"]
     assert (first["byte"], first["bit"], second["byte"], second["bit"]) == (0, 9, 2, 1)
     for held in (first, second):
@@ -134,7 +134,7 @@ def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path
     assert second["position"] + second["low"] == message["bytes"][1]["position"]
 
 
-def test_json_says_what_was_cut_off(periph_sim: Run, tmp_path: Path):
-    found = periph_sim("decode", wave(tmp_path, "S A6+ 11:"), "--json").told
+def test_json_has_the_bits_of_an_incomplete_byte(periph_sim: Run, tmp_path: Path):
+    found = periph_sim("decode", wave(tmp_path, "S A6+ 11:"), "--json").json_object
     assert found["ended"] == "cut off" and found["messages"][0]["cut"] == "11"
     assert found["messages"][0]["acked"] is True and found["messages"][0]["bytes"] == []

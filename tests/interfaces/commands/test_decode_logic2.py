@@ -1,4 +1,4 @@
-"""`periph-sim decode --format logic2`, against a table that Logic 2 exported and against another decoder."""
+"""`periph-sim decode --format logic2` against a table exported by Logic 2 and against another decoder."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from tests.captures.where import FOLDER, needs_captures, oracle
 from tests.interfaces.commands.conftest import Run
-from tests.interfaces.commands.test_decode_reports import NAMES, asked
+from tests.interfaces.commands.test_decode_reports import NAMES, decode_arguments
 from tests.interfaces.commands.test_decode_spi import EIGHT, LINES, recorded
 from tests.traces.formats.writers import I2cWave, frame_bits, metadata, sr_file, uart_wave, zip_bytes
 
@@ -19,13 +19,13 @@ I2C_TITLES = 'name,type,start_time,duration,"ack","address","read","data"'
 
 
 @needs_captures
-def test_frames_are_those_of_logic_2_itself(periph_sim: Run):
-    """Its durations are rounded to two samples of 2 ns."""
+def test_frames_equal_those_exported_by_logic_2(periph_sim: Run):
+    """Logic 2 rounds durations to two samples of 2 ns."""
     path = str(FOLDER / "uart_async115200_csv.csv")
-    came = periph_sim("decode", path, "--uart", "rx=Channel 0,baud=115200", "--format", "logic2")
+    result = periph_sim("decode", path, "--uart", "rx=Channel 0,baud=115200", "--format", "logic2")
     theirs = (FOLDER / "uart_async115200_csv.saleae.csv").read_text("utf-8").splitlines()
-    assert came.out.splitlines()[0] == theirs[0]
-    ours = list(csv.reader(came.out.splitlines()[1:]))
+    assert result.out.splitlines()[0] == theirs[0]
+    ours = list(csv.reader(result.out.splitlines()[1:]))
     assert len(ours) == len(theirs) - 1 == 2240
     for own, their in zip(ours, csv.reader(theirs[1:]), strict=True):
         assert (own[1], float(own[2]), own[4:]) == (their[1], float(their[2]), their[4:])
@@ -33,12 +33,12 @@ def test_frames_are_those_of_logic_2_itself(periph_sim: Run):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_i2c_rows_are_the_annotations_of_the_other_decoder(periph_sim: Run, name: str):
-    """A row of Logic 2 for each START, STOP and byte; the ACK belongs to the row of its byte."""
-    came = periph_sim(*asked(name, "--format", "logic2"))
-    assert came.status == 0 and came.out.splitlines()[0] in (I2C_TITLES, f'{I2C_TITLES},"error"')
+def test_i2c_rows_equal_the_annotations_of_another_decoder(periph_sim: Run, name: str):
+    """Logic 2 has a row for each START, STOP and byte; the ACK is in the row of its byte."""
+    result = periph_sim(*decode_arguments(name, "--format", "logic2"))
+    assert result.status == 0 and result.out.splitlines()[0] in (I2C_TITLES, f'{I2C_TITLES},"error"')
     ours = []
-    for row in csv.DictReader(came.out.splitlines()):
+    for row in csv.DictReader(result.out.splitlines()):
         assert row["name"] == "I2C"
         if row["type"] == "address":
             ours.append(f"Address {'read' if row['read'] == 'true' else 'write'}: {int(row['address'], 16):02X}")
@@ -46,7 +46,7 @@ def test_i2c_rows_are_the_annotations_of_the_other_decoder(periph_sim: Run, name
             ours.append({"start": "Start", "stop": "Stop"}.get(row["type"]) or f"Data: {int(row['data'], 16):02X}")
         if row["ack"]:
             ours.append("ACK" if row["ack"] == "true" else "NACK")
-    theirs = [said.text for said in oracle(name, "i2c") if said.text not in ("Read", "Write")]
+    theirs = [message.text for message in oracle(name, "i2c") if message.text not in ("Read", "Write")]
     for long, short in (("Start repeat", "Start"), ("Data read", "Data"), ("Data write", "Data")):
         theirs = [text.replace(long, short) for text in theirs]
     assert ours == theirs
@@ -58,8 +58,8 @@ def test_without_events_there_are_only_titles(periph_sim: Run, tmp_path: Path):
 
 
 def test_an_i2c_byte_lasts_from_its_first_rise_to_the_fall_after_its_ack(periph_sim: Run):
-    came = periph_sim("decode", str(TRACES / "nack.sr"), "--format", "logic2", "--first", "1")
-    assert came.out.splitlines() == [
+    result = periph_sim("decode", str(TRACES / "nack.sr"), "--format", "logic2", "--first", "1")
+    assert result.out.splitlines() == [
         I2C_TITLES,
         '"I2C","start",0.00010000,0.00000025,,,,',
         '"I2C","address",0.00011000,0.00008500,false,0x53,false,',
@@ -67,8 +67,8 @@ def test_an_i2c_byte_lasts_from_its_first_rise_to_the_fall_after_its_ack(periph_
     ]
 
 
-def test_a_byte_without_ack_is_an_error_and_bits_are_left_out(periph_sim: Run, tmp_path: Path):
-    """As the analyzer's source does: it tells the direction only with the ACK, so the row holds the whole byte."""
+def test_a_byte_without_an_ack_slot_is_an_error_and_single_bits_are_omitted(periph_sim: Run, tmp_path: Path):
+    """Logic 2's analyzer determines the direction with the ACK, so the row of a cut address has the whole byte."""
     path = I2cWave(20, 5, idle=100).play("S 1: P .100 S 10100110:").saved(tmp_path)
     lines = periph_sim("decode", path, "--format", "logic2").out.splitlines()
     assert lines[0] == f'{I2C_TITLES},"error"'
@@ -134,11 +134,11 @@ def test_a_capture_without_rate_has_no_times(periph_sim: Run, tmp_path: Path):
     path = tmp_path / "no_rate.sr"
     unsaid = metadata(["SCL", "SDA"], "").replace(b"samplerate=\n", b"")
     path.write_bytes(zip_bytes({"version": b"2", "metadata": unsaid, "logic-1-1": bytes([3, 3, 1, 3, 3])}))
-    for options, said in (
+    for options, message in (
         (("--format", "logic2"), f"--format logic2: {path} states no rate; packets have times, state --rate"),
         (("--glitches",), f"--glitches: {path} states no rate; state --rate, or the width with --glitch in samples"),
     ):
-        assert periph_sim.refused("decode", str(path), *options) == said
-    came = periph_sim("decode", str(path), "--glitches", "--glitch", "2", "--format", "csv")
-    assert came.out.splitlines()[1:] == ["2,SDA,low,1,SCL high"]
-    assert periph_sim("decode", str(path), "--counts", "--json").told["transfers"] == 1
+        assert periph_sim.refused("decode", str(path), *options) == message
+    result = periph_sim("decode", str(path), "--glitches", "--glitch", "2", "--format", "csv")
+    assert result.out.splitlines()[1:] == ["2,SDA,low,1,SCL high"]
+    assert periph_sim("decode", str(path), "--counts", "--json").json_object["transfers"] == 1

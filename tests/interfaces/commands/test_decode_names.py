@@ -1,4 +1,4 @@
-"""`periph-sim decode --chip` and `--case`: the register of each byte, against names and scales of the data sheets."""
+"""`periph-sim decode --chip` and `--case`: the register of each byte, with names and scales of the data sheets."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from tests.traces.formats.writers import I2cWave, sr_file
 
 ROUND_SR = Path(__file__).resolve().parents[3] / "traces" / "imu_round.sr"
 CHIPS = ("--chip", "itg3200", "--chip", "0x53=adxl345", "--chip", "hmc5883l")
-# The data registers of the data sheets, in the order of the bytes of ROUND, the scale and the order of the bytes.
+# For each message of ROUND: its data registers in the order of the bytes, the scale, and the byte order, all from the
+# data sheets.
 SHEETS = (
     ("GYRO_XOUT_H GYRO_XOUT_L GYRO_YOUT_H GYRO_YOUT_L GYRO_ZOUT_H GYRO_ZOUT_L", 14.375, "deg/s", "big"),
     ("DATAX0 DATAX1 DATAY0 DATAY1 DATAZ0 DATAZ1", 256, "g", "little"),
@@ -65,7 +66,7 @@ class Device:
 
 
 def drawn(folder: Path, *transfers: Sequence[int], reads: Sequence[tuple[int, int, Sequence[int]]] = ()) -> str:
-    """A capture of these bytes of transfers, then of reads: address, pointer, values."""
+    """Write a capture of transfers with these bytes, then of reads, each an address, a pointer and the values."""
     wave = I2cWave(20, 5, idle=100)
     for values in transfers:
         wave.transfer(*values, nack_last=bool(values[0] & 1))
@@ -77,10 +78,10 @@ def drawn(folder: Path, *transfers: Sequence[int], reads: Sequence[tuple[int, in
 
 
 def named(periph_sim: Run, file: str, *options: str) -> list[tuple[str, str, str]]:
-    """The byte, the register and the meaning of each row that has a name, except addresses."""
-    came = periph_sim("decode", file, "--format", "csv", *options)
-    assert came.status == 0
-    rows = list(csv.DictReader(came.out.splitlines()))
+    """Return the byte, the register and the meaning of each data row."""
+    result = periph_sim("decode", file, "--format", "csv", *options)
+    assert result.status == 0
+    rows = list(csv.DictReader(result.out.splitlines()))
     return [(f"{int(row['value']):02X}", row["register"], row["meaning"]) for row in rows if row["event"] == "data"]
 
 
@@ -99,12 +100,12 @@ def test_a_round_has_the_registers_and_quantities_of_the_data_sheets(periph_sim:
     assert named(periph_sim, str(ROUND_SR), *CHIPS) == expected
 
 
-def test_names_stand_in_each_form_and_only_on_request(periph_sim: Run):
+def test_each_format_has_the_names_on_request_only(periph_sim: Run):
     first = ("--first", "1", "--chip", "0x68=itg3200")
-    came = periph_sim("decode", str(ROUND_SR), *first)
-    assert "address         0x68      read, itg3200\n" in came.out
-    assert "data            0xF3      read, GYRO_YOUT_L: -13 = -0.9043 deg/s\n" in came.out
-    assert came.err == (
+    result = periph_sim("decode", str(ROUND_SR), *first)
+    assert "address         0x68      read, itg3200\n" in result.out
+    assert "data            0xF3      read, GYRO_YOUT_L: -13 = -0.9043 deg/s\n" in result.out
+    assert result.err == (
         "note: itg3200: no write to its registers before its data; quantities are at the scale after power-on\n"
     )
     transfer = (
@@ -113,7 +114,7 @@ def test_names_stand_in_each_form_and_only_on_request(periph_sim: Run):
         "00(GYRO_ZOUT_H) A 05(GYRO_ZOUT_L: 5 = 0.3478 deg/s) N P"
     )
     assert periph_sim("decode", str(ROUND_SR), *first, "--transfers").out.splitlines()[1].endswith(transfer)
-    whole = periph_sim("decode", str(ROUND_SR), *first, "--json").told
+    whole = periph_sim("decode", str(ROUND_SR), *first, "--json").json_object
     assert whole["transfer"] == transfer
     byte = whole["messages"][1]["bytes"][1]
     assert (byte["value"], byte["register"], byte["meaning"]) == (0x12, "GYRO_XOUT_L", "18 = 1.252 deg/s")
@@ -126,7 +127,7 @@ def test_names_stand_in_each_form_and_only_on_request(periph_sim: Run):
     assert "itg3200" not in plain and "register" not in plain
 
 
-def test_quantities_are_at_the_scale_that_the_controller_sets(periph_sim: Run, tmp_path: Path):
+def test_quantities_use_the_scale_that_the_controller_sets(periph_sim: Run, tmp_path: Path):
     """ADXL345: 16 g in 10 bits is 32 LSB/g; left-justified, the lowest bit is bit 6; full resolution is 256 LSB/g."""
     file = drawn(
         tmp_path,
@@ -134,9 +135,9 @@ def test_quantities_are_at_the_scale_that_the_controller_sets(periph_sim: Run, t
         *((0xA6, 0x31, 0x07), (0xA6, 0x32), (0xA7, 0x00, 0x08)),
         *((0xA6, 0x31, 0x0B), (0xA6, 0x32), (0xA7, 0x00, 0x01)),
     )
-    came = periph_sim("decode", file, "--chip", "adxl345", "--transfers")
-    assert came.err == ""
-    assert re.findall(r"DATAX1: ([^)]*)|DATA_FORMAT: ([^)]*)", came.out) == [
+    result = periph_sim("decode", file, "--chip", "adxl345", "--transfers")
+    assert result.err == ""
+    assert re.findall(r"DATAX1: ([^)]*)|DATA_FORMAT: ([^)]*)", result.out) == [
         ("", "Range=0x3"),
         ("64 = 2 g", ""),
         ("", "Justify=0x1 Range=0x3"),
@@ -146,8 +147,8 @@ def test_quantities_are_at_the_scale_that_the_controller_sets(periph_sim: Run, t
     ]
 
 
-def test_the_pointer_moves_as_the_device_moves_it(periph_sim: Run, tmp_path: Path):
-    """HMC5883L: 0x03 follows 0x08. An overflow is -4096. Registers that do not exist are said to be reserved."""
+def test_the_register_pointer_increments_as_in_the_device(periph_sim: Run, tmp_path: Path):
+    """HMC5883L: 0x03 follows 0x08. -4096 means an overflow. Registers that do not exist are called reserved."""
     file = drawn(tmp_path, reads=[(0x1E, 0x07, (0xF0, 0x00, 0xF0, 0x00)), (0x1E, 0x0C, (0x33, 0x10))])
     assert named(periph_sim, file, "--chip", "hmc5883l") == [
         ("07", "pointer", "DYRA"),
@@ -164,7 +165,7 @@ def test_the_pointer_moves_as_the_device_moves_it(periph_sim: Run, tmp_path: Pat
 
 
 def test_a_memory_wraps_in_its_page_and_has_blocks(periph_sim: Run, tmp_path: Path):
-    """A second write follows at once: the captured memory acknowledged it, so the model is not busy either."""
+    """A second write follows at once: the recorded memory acknowledged it, so the model must not be busy."""
     file = drawn(tmp_path, (0xA4, 0x0E, 1, 2, 3), (0xA4, 0x10, 4))
     assert [row[1:] for row in named(periph_sim, file, "--chip", "24c16")] == [
         ("pointer", "0x020e"),
@@ -176,13 +177,13 @@ def test_a_memory_wraps_in_its_page_and_has_blocks(periph_sim: Run, tmp_path: Pa
     ]
 
 
-def test_what_is_unknown_has_no_name(periph_sim: Run, tmp_path: Path):
-    """There is no name before the first pointer, at an address without ACK, and after a byte that the model refuses."""
+def test_an_unknown_register_has_no_name(periph_sim: Run, tmp_path: Path):
+    """Without a name: bytes before the first pointer, an address without ACK, and bytes that the model refuses."""
     file = drawn(tmp_path, (0xA1, 0x11))
     assert named(periph_sim, file, "--chip", "24c02") == [("11", "", "")]
     nack = str(ROUND_SR.with_name("nack.sr"))
-    came = periph_sim("decode", nack, "--chip", "adxl345", "--transfers", "--first", "1")
-    assert came.out.splitlines()[1].split(maxsplit=1)[1] == "S 53 W N P"
+    result = periph_sim("decode", nack, "--chip", "adxl345", "--transfers", "--first", "1")
+    assert result.out.splitlines()[1].split(maxsplit=1)[1] == "S 53 W N P"
     file = drawn(tmp_path, (0xDE, 0x00, 0x30, 0x50, 0x59))  # a clock whose WEL latch is not set
     assert named(periph_sim, file, "--chip", "isl12026")[1:] == [
         ("30", "pointer", "SC"),
@@ -204,8 +205,8 @@ def test_a_byte_that_the_captured_device_refused_changes_nothing(periph_sim: Run
         wave.transfer(*values, nack_last=True)
     wave.transfer(0xA7, 0x40, 0x00, nack_last=True)
     path = wave.saved(tmp_path)
-    came = periph_sim("decode", path, "--chip", "adxl345", "--transfers")
-    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()[3:]] == [
+    result = periph_sim("decode", path, "--chip", "adxl345", "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in result.out.splitlines()[3:]] == [
         "S 53 W(adxl345) A 31(pointer: DATA_FORMAT) A 03 N P",
         "S 53 W(adxl345) A 32(pointer: DATAX0) A P",
         "S 53 R(adxl345) A 40(DATAX0) A 00(DATAX1: 64 = 0.25 g) N P",
@@ -214,27 +215,27 @@ def test_a_byte_that_the_captured_device_refused_changes_nothing(periph_sim: Run
     ]
 
 
-def test_a_gap_of_the_capture_ends_what_is_known(periph_sim: Run, tmp_path: Path):
-    """Between the transfers the lines are unknown: the pointer may have moved, and the scale may have changed."""
+def test_after_a_gap_of_the_capture_the_register_is_unknown(periph_sim: Run, tmp_path: Path):
+    """The lines are unknown between two transfers, where the pointer and the scale may have changed."""
     file = drawn(tmp_path, (0xA6, 0x31, 0x03), (0xA6, 0x32), (0xA7, 0x40, 0x00), (0xA6, 0x32), (0xA7, 0x40, 0x00))
     capture = formats.read(Path(file))
     starts = [json.loads(line)["position"] for line in periph_sim("decode", file, "--json").out.splitlines()]
     holes = tuple(Span(start - 60, start - 40) for start in (starts[2], starts[4]))
     lines = tuple(replace(line, unknown=holes) for line in capture.channels)
     formats.write(replace(capture, channels=lines), tmp_path / "gaps.vcd")
-    came = periph_sim("decode", str(tmp_path / "gaps.vcd"), "--chip", "adxl345", "--transfers")
-    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()[3:]] == [
+    result = periph_sim("decode", str(tmp_path / "gaps.vcd"), "--chip", "adxl345", "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in result.out.splitlines()[3:]] == [
         "S 53 R(adxl345) A 40 A 00 N P",
         "S 53 W(adxl345) A 32(pointer: DATAX0) A P",
         "S 53 R(adxl345) A 40 A 00 N P",
     ]
-    assert "scale" not in came.err, "no quantity is shown"
+    assert "scale" not in result.err, "no quantity is shown"
     whole = periph_sim("decode", file, "--chip", "adxl345", "--transfers")
     assert whole.out.count("40(DATAX0) A 00(DATAX1: 64 = 2 g) N P") == 2
     lines = tuple(replace(line, unknown=(Span(starts[1] - 60, starts[1] - 40),)) for line in capture.channels)
     formats.write(replace(capture, channels=lines), tmp_path / "gap.vcd")
-    came = periph_sim("decode", str(tmp_path / "gap.vcd"), "--chip", "adxl345", "--transfers")
-    assert came.out == whole.out and came.err.endswith(
+    result = periph_sim("decode", str(tmp_path / "gap.vcd"), "--chip", "adxl345", "--transfers")
+    assert result.out == whole.out and result.err.endswith(
         "note: adxl345: no write to its registers since a gap; quantities are at the scale before the gap\n"
     )
 
@@ -243,18 +244,18 @@ def test_a_case_names_its_own_devices(periph_sim: Run, desk: Path):
     (desk / "adc.toml").write_text(ADC, "utf-8")
     (desk / "own.py").write_text(OWN, "utf-8")
     file = drawn(desk, reads=[(0x48, 0x01, (0x12, 0x34, 0)), (0x42, 0x01, (0x12,))])
-    came = periph_sim("decode", file, "--case", "adc.toml", "--transfers")
-    assert came.status == 0 and [line.split(maxsplit=1)[1] for line in came.out.splitlines()[1:]] == [
+    result = periph_sim("decode", file, "--case", "adc.toml", "--transfers")
+    assert result.status == 0 and [line.split(maxsplit=1)[1] for line in result.out.splitlines()[1:]] == [
         "S 48 W(adc) A 01(pointer: VALUE) A Sr 48 R(adc) A 12(VALUE) A 34(VALUE: 0x1234) A 00(0x03: not in the map) "
         "N P",
         "S 42 W(own) A 01 A Sr 42 R(own) A 12 N P",
     ]
 
 
-def test_a_chip_that_is_given_replaces_that_of_the_case(periph_sim: Run):
+def test_option_chip_replaces_the_device_of_the_case(periph_sim: Run):
     case = ROUND_SR.parents[1] / "timing" / "imu_chips.toml"
-    came = periph_sim("decode", str(ROUND_SR), "--case", str(case), "--chip", "itg3200", "--transfers")
-    assert re.findall(r"S (\w\w) W\((\w+)\)", came.out) == [
+    result = periph_sim("decode", str(ROUND_SR), "--case", str(case), "--chip", "itg3200", "--transfers")
+    assert re.findall(r"S (\w\w) W\((\w+)\)", result.out) == [
         ("68", "itg3200"),
         ("53", "accelerometer"),
         ("1E", "magnetometer"),
@@ -279,7 +280,7 @@ def test_each_bus_has_a_device_of_its_own(periph_sim: Run, tmp_path: Path):
     ]
 
 
-def test_a_strict_case_does_not_end_at_a_write_that_its_device_reports(periph_sim: Run, desk: Path):
+def test_a_strict_case_does_not_stop_decoding_at_a_refused_write(periph_sim: Run, desk: Path):
     unit = ADC.partition("[device.adc]")[0]
     (desk / "clock.toml").write_text(f'strict = true\n{unit}[device.clock]\nmodel = "isl12026"\n', "utf-8")
     file = drawn(desk, (0xDE, 0x00, 0x30, 0x50))
@@ -298,7 +299,7 @@ def test_a_chip_of_a_plugin_has_names_from_its_own_file(periph_sim: Run, here: P
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         (["--chip", "itg3000"], "--chip itg3000: there is no chip 'itg3000'; did you mean itg3200?"),
         (["--chip", "0x1e=itg3200"], "--chip: itg3200 has no address 0x1e; it can have 0x68 or 0x69"),
@@ -318,5 +319,5 @@ def test_a_chip_of_a_plugin_has_names_from_its_own_file(periph_sim: Run, here: P
         ),
     ],
 )
-def test_what_is_wrong_with_the_chips_is_one_sentence(periph_sim: Run, options: list[str], said: str):
-    assert periph_sim.refused("decode", str(ROUND_SR), *options) == said
+def test_a_wrong_chip_is_one_error_message(periph_sim: Run, options: list[str], message: str):
+    assert periph_sim.refused("decode", str(ROUND_SR), *options) == message

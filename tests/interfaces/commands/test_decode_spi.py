@@ -1,4 +1,4 @@
-"""`periph-sim decode --spi`: a row a word of each data line, in every form; sigrok's decoder reads the same words."""
+"""`periph-sim decode --spi`: a row for each word of each data line, in every format, and compared with sigrok."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EIGHT = SpiFormat()
 
 
 def recorded(folder: Path, format_: SpiFormat, *words: tuple[int, int], half: int = 3) -> str:
-    """A capture of two selections with these words. A position is a nanosecond, a half of SPICLK `half` of them."""
+    """Write a capture of two selections with these words. A position is 1 ns; half a period of SPICLK is `half` ns."""
     path = folder / "spi.vcd"
     formats.write(capture_of(wave(format_, list(words), half) * 2), path)
     return str(path)
@@ -52,12 +52,12 @@ def test_each_data_line_has_its_words_and_selections(periph_sim: Run, flash: str
 
 
 def test_a_selection_is_a_transfer(periph_sim: Run, flash: str):
-    came = periph_sim("decode", flash, "--spi", LINES, "--transfers")
-    assert [row[1:] for row in rows(came.out)][1:3] == [
+    result = periph_sim("decode", flash, "--spi", LINES, "--transfers")
+    assert [row[1:] for row in rows(result.out)][1:3] == [
         ["spi", "MOSI", "select", "9F", "12", "deselect"],
         ["spi", "MISO", "select", "00", "34", "deselect"],
     ]
-    assert len(rows(came.out)) == 5
+    assert len(rows(result.out)) == 5
     found = [json.loads(line) for line in periph_sim("decode", flash, "--spi", LINES, "--json").out.splitlines()]
     assert [(one["bus"], [word["value"] for word in one["words"]]) for one in found] == [
         ("spi MOSI", [0x9F, 0x12]), ("spi MISO", [0x00, 0x34]),
@@ -79,19 +79,19 @@ def test_without_a_chip_select_a_pause_longer_than_a_word_ends_a_burst(periph_si
     path = tmp_path / "spi.vcd"
     idle = bytes([samples[-1]]) * 40
     formats.write(capture_of(samples + idle + samples), path)
-    came = periph_sim("decode", str(path), "--spi", "clk=CLK,mosi=MOSI", "--transfers")
-    assert [row[1:] for row in rows(came.out)] == [["transfer"], ["01", "02"], ["01", "02"]]
+    result = periph_sim("decode", str(path), "--spi", "clk=CLK,mosi=MOSI", "--transfers")
+    assert [row[1:] for row in rows(result.out)] == [["transfer"], ["01", "02"], ["01", "02"]]
 
 
 def test_a_capture_may_begin_while_the_line_is_selected(periph_sim: Run, tmp_path: Path):
     samples = wave(EIGHT, [(0xA5, 0)], 2)
     path = tmp_path / "spi.vcd"
     formats.write(capture_of(samples[3:] + samples), path)
-    came = periph_sim("decode", str(path), "--spi", "clk=CLK,mosi=MOSI,cs=CS", "--transfers")
-    assert [row[1:] for row in rows(came.out)][1:] == [["A5", "deselect"], ["select", "A5", "deselect"]]
+    result = periph_sim("decode", str(path), "--spi", "clk=CLK,mosi=MOSI,cs=CS", "--transfers")
+    assert [row[1:] for row in rows(result.out)][1:] == [["A5", "deselect"], ["select", "A5", "deselect"]]
 
 
-def test_glitches_of_the_clock_are_left_out_on_request(periph_sim: Run, tmp_path: Path):
+def test_glitches_of_the_clock_are_filtered_on_request(periph_sim: Run, tmp_path: Path):
     samples = bytearray(wave(EIGHT, [(0xA5, 0)], 4))
     samples[9] ^= 1  # one sample of CLK
     path = tmp_path / "spi.vcd"
@@ -115,18 +115,18 @@ def test_glitches_of_the_clock_are_left_out_on_request(periph_sim: Run, tmp_path
         ("clk=CLK,mosi=MOSI,mode=3", "there is no 'mode'; "),
     ],
 )
-def test_a_mistake_gets_one_sentence(periph_sim: Run, flash: str, options: str, sentence: str):
+def test_a_wrong_option_is_one_error_message(periph_sim: Run, flash: str, options: str, sentence: str):
     assert periph_sim.refused("decode", flash, "--spi", options).startswith(f"--spi {options}: {sentence}")
 
 
-def test_a_channel_that_is_not_there(periph_sim: Run, flash: str):
+def test_a_missing_channel_is_an_error(periph_sim: Run, flash: str):
     assert "there is no channel 'SCK'" in periph_sim.refused("decode", flash, "--spi", "clk=SCK,mosi=MOSI")
 
 
-def test_a_hex_dump_has_a_packet_a_selection_and_words_in_whole_bytes(periph_sim: Run, tmp_path: Path):
+def test_a_hex_dump_has_a_packet_per_selection_and_words_in_whole_bytes(periph_sim: Run, tmp_path: Path):
     path = recorded(tmp_path, SpiFormat(12), (0xABC, 0), (0x123, 0))
-    came = periph_sim("decode", path, "--spi", "clk=CLK,mosi=MOSI,cs=CS,wordsize=12", "--format", "hexdump")
-    first = came.out.split("\n\n")[0].splitlines()
+    result = periph_sim("decode", path, "--spi", "clk=CLK,mosi=MOSI,cs=CS,wordsize=12", "--format", "hexdump")
+    first = result.out.split("\n\n")[0].splitlines()
     assert first[0] == "# select ABC 123 deselect" and first[2] == "000000  0a bc 01 23"
 
 
@@ -148,7 +148,7 @@ def test_tshark_reads_the_words_of_a_line_as_packets(flash: str):
     ],
     ids=["mode 0", "mode 3", "mode 1", "32 bits"],
 )
-def test_words_are_those_of_sigrok(periph_sim: Run, tmp_path: Path, format_: SpiFormat, options: dict[str, str]):
+def test_words_equal_those_of_sigrok_cli(periph_sim: Run, tmp_path: Path, format_: SpiFormat, options: dict[str, str]):
     mask = (1 << format_.bits) - 1
     path = recorded(tmp_path, format_, (0xC0FF_EE11 & mask, 0x1234_5679 & mask), (1, mask))
     ours = periph_sim(

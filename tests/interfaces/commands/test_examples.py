@@ -1,4 +1,4 @@
-"""The examples in the help of each command: at least two, which the command's options accept and which really run."""
+"""The examples in the help of each command: there are two or more, its options accept them, and they run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.interfaces.commands.conftest import Run
 
 COMMANDS = cli.list_commands(None)  # type: ignore[arg-type]
 ENDLESS = {"host-unit", "serve", "terminal", "watch"}  # these run in real time, or until Ctrl-C
-LONG = {  # these take a quarter of a minute or more, and other tests run the same
+LONG = {  # these take a quarter of a minute or more, and other tests run them
     "periph-sim check timing --junit results.xml",
     "periph-sim trade timing/imu_hil.toml --seconds 1",
 }
@@ -91,7 +91,7 @@ def test_the_options_of_a_command_accept_its_examples(name: str, example: str):
     assert command.make_context(name, arguments_of(example)).info_name == name
 
 
-def test_each_replacement_is_of_an_example():
+def test_each_replacement_occurs_in_an_example():
     assert all(any(long in example for _, example in FINITE) for long in SHORTER)
 
 
@@ -102,6 +102,6 @@ def test_an_example_runs(
     monkeypatch.chdir(examples_folder)
     for long, short in SHORTER.items():
         example = example.replace(long, short)
-    came = periph_sim(name, *arguments_of(example))
-    assert came.status in (0, 1), came.err
-    assert "Error" not in came.err
+    result = periph_sim(name, *arguments_of(example))
+    assert result.status in (0, 1), result.err
+    assert "Error" not in result.err

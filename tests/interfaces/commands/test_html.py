@@ -1,4 +1,4 @@
-"""`--html` of run and check: one file, whole or not at all, whatever the verdicts are."""
+"""`--html` of run and check: one complete file or none, whatever the verdicts."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from tests.interfaces.reports.covered_desk import put_case
 
 def test_run_writes_a_report_beside_its_table(periph_sim: Run, desk: Path) -> None:
     plain = periph_sim("run", "small.toml")
-    came = periph_sim("run", "small.toml", "--html", "out.html")
-    assert (came.status, came.out, came.err) == (plain.status, plain.out, plain.err)
+    result = periph_sim("run", "small.toml", "--html", "out.html")
+    assert (result.status, result.out, result.err) == (plain.status, plain.out, plain.err)
     text = Path("out.html").read_text(encoding="utf-8")
     assert text.startswith("<!DOCTYPE html>") and "rounds in time" in text
     assert [file.name for file in desk.iterdir() if file.suffix == ".html"] == ["out.html"]
 
 
-def test_a_report_is_of_the_changed_case_and_the_shorter_run(periph_sim: Run, desk: Path) -> None:
+def test_a_report_shows_the_changed_case_and_the_shorter_run(periph_sim: Run, desk: Path) -> None:
     change = "budget.rounds in time.max=6 ns"
     assert periph_sim("run", "small.toml", "--seconds", "0.02", "--set", change, "--html", "out.html").status == 1
     text = Path("out.html").read_text(encoding="utf-8")
     assert f"<code>{change}</code>" in text and "0.02 s" in text
 
 
-def test_run_writes_recording_and_report_at_once(periph_sim: Run, desk: Path) -> None:
+def test_one_run_writes_a_recording_and_a_report(periph_sim: Run, desk: Path) -> None:
     periph_sim("run", "small.toml", "--record", "out.psr", "--html", "out.html", "--json")
     assert Path("out.psr").stat().st_size and Path("out.html").stat().st_size
 
@@ -49,8 +49,8 @@ def test_check_writes_one_report_of_all_cases(periph_sim: Run, desk: Path) -> No
     for name in ("one", "two"):
         text = CASE.format(firmware=(desk / "still.py").as_posix()).replace("small", name)
         Path("timing", f"{name}.toml").write_text(text, encoding="utf-8")
-    came = periph_sim("check", "--jobs", "1", "--html", "out.html")
-    assert came.status == 1  # nothing was measured, and there are no baselines
+    result = periph_sim("check", "--jobs", "1", "--html", "out.html")
+    assert result.status == 1  # nothing was measured, and there are no baselines
     text = Path("out.html").read_text(encoding="utf-8")
     assert text.count("<article") == 2 and "it has no baseline" in text
     assert "0 of 2 as they should be" in text
@@ -61,13 +61,13 @@ def test_check_writes_one_report_of_all_cases(periph_sim: Run, desk: Path) -> No
 def test_the_report_of_check_names_the_cases_that_cannot_be_run(
     periph_sim: Run, desk: Path, jobs: tuple[str, ...], others: int
 ) -> None:
-    """Also if no case can be run, so that the report has no timelines."""
+    """This holds even if no case can be run, so that the report has no timelines."""
     assert periph_sim("check", "--update-baseline", "small.toml").status == 0
     for name in ("one", "two"):
         text = CASE.format(firmware="<b>.py").replace("small", name)
         Path(f"{name}.toml").write_text(text, encoding="utf-8")
-    came = periph_sim("check", *jobs, "--html", "out.html", "one.toml", "two.toml", *["small.toml"] * others)
-    assert came.status == 2 and came.out.count("Error: ") == 2
+    result = periph_sim("check", *jobs, "--html", "out.html", "one.toml", "two.toml", *["small.toml"] * others)
+    assert result.status == 2 and result.out.count("Error: ") == 2
     text = Path("out.html").read_text(encoding="utf-8")
     assert f'<span class="chip bad">{others} of {2 + others} as they should be</span></h1>' in text
     assert text.count("<article") == others and text.count('<details class="table"') == others
@@ -77,9 +77,7 @@ def test_the_report_of_check_names_the_cases_that_cannot_be_run(
 
 
 @pytest.mark.parametrize("command", ["run", "check"])
-def test_a_place_that_cannot_be_written_to_is_told_before_anything_runs(
-    periph_sim: Run, desk: Path, command: str
-) -> None:
+def test_an_output_that_cannot_be_written_is_an_error_before_the_run(periph_sim: Run, desk: Path, command: str) -> None:
     assert periph_sim.refused(command, "small.toml", "--html", "no/such/out.html") == (
         "no/such/out.html, its place: found no such file or directory, expected a place that can be written to; "
         "give another path"

@@ -1,4 +1,4 @@
-"""`periph-sim new --live`: what was live is a case of its own, with budgets; and what is no log of such a case."""
+"""`periph-sim new --live`: a case with budgets is written from the log of a live session; other logs are rejected."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from tests.outside.sessions import Records
 ROOT = Path(__file__).parents[3]
 
 
-def live(case: Path, log: Path, data: bytes, changes: tuple[str, ...] = ()) -> Records:
+def run_live(case: Path, log: Path, data: bytes, changes: tuple[str, ...] = ()) -> Records:
     records = Records()
     session = Session(case_for_line(case, "scia", changes), log=log, subscribe=records.subscribe)
     line = session.serial("scia")
     session.advance(session.ticks("1 ms"))
     line.write(data)
     session.advance(session.ticks("7 ms") + 1)
-    records.events = session.finish().events - line.received  # one a frame that came back: to read it for the client
+    records.events = session.finish().events - line.received  # each byte read for the client is an event
     return records
 
 
-def test_what_was_live_is_a_case_with_equal_records(periph_sim: Run, tmp_path: Path) -> None:
+def test_the_written_case_has_the_records_of_the_live_session(periph_sim: Run, tmp_path: Path) -> None:
     for folder in ("cases", "logs", "new"):
         (tmp_path / folder).mkdir()
     log = tmp_path / "logs" / "live.jsonl"
-    records = live(written(tmp_path / "cases"), log, b"hello", ("seed=7",))
-    came = periph_sim("new", "--live", str(log), str(tmp_path / "new" / "again"))
+    records = run_live(written(tmp_path / "cases"), log, b"hello", ("seed=7",))
+    outcome = periph_sim("new", "--live", str(log), str(tmp_path / "new" / "again"))
     case = tmp_path / "new" / "again.toml"
-    assert came.status == 0 and came.out.startswith(f"written: {case}\nrun it: ")
+    assert outcome.status == 0 and outcome.out.startswith(f"written: {case}\nrun it: ")
     again = Records()
     made = load(case)
     scene = Scene(made, again.subscribe)
@@ -50,9 +50,9 @@ def test_what_was_live_is_a_case_with_equal_records(periph_sim: Run, tmp_path: P
     assert "exists already" in periph_sim("new", "--live", str(log), str(tmp_path / "new" / "again.toml")).err
 
 
-def test_a_case_keeps_its_budgets_but_those_of_its_host(periph_sim: Run, tmp_path: Path) -> None:
+def test_a_case_keeps_all_budgets_except_those_of_its_host(periph_sim: Run, tmp_path: Path) -> None:
     log = tmp_path / "live.jsonl"
-    live(ROOT / "timing" / "imu_hil.toml", log, bytes(24))
+    run_live(ROOT / "timing" / "imu_hil.toml", log, bytes(24))
     assert periph_sim("new", "--live", str(log), str(tmp_path / "mine")).status == 0
     before, after = load(ROOT / "timing" / "imu_hil.toml"), load(tmp_path / "mine.toml")
     left_out = {"wrong bytes", "data age"}
@@ -81,21 +81,21 @@ send = [{ name = "quiet", to = "SCI-B", text = "x", at = "1 ms", expect = "nothi
 def test_a_budget_of_another_table_is_the_only_one(periph_sim: Run, tmp_path: Path, table: str, name: str) -> None:
     case, log = written(tmp_path), tmp_path / "live.jsonl"
     case.write_text(case.read_text().replace('["SCI-A"]\n', f'["SCI-A", "SCI-B", "GPIO"]{table}'))
-    live(case, log, b"hello")
-    came = periph_sim("new", "--live", str(log))
-    assert came.status == 0, came.err
+    run_live(case, log, b"hello")
+    outcome = periph_sim("new", "--live", str(log))
+    assert outcome.status == 0, outcome.err
     assert [budget.name for budget in load(tmp_path / "echo_live.toml").budget] == [name]
 
 
 @pytest.mark.parametrize("file", sorted((ROOT / "timing").glob("*.toml")), ids=lambda file: file.stem)
-def test_a_tree_is_written_as_it_is_read(file: Path) -> None:
+def test_a_written_toml_tree_reads_back_equal(file: Path) -> None:
     tree = tomllib.loads(file.read_text(encoding="utf-8")) | {
         "odd key": {"": [], "a.b": [{}, {"c": [[1, "\u00e9\n"]]}]}
     }
     assert tomllib.loads(toml(tree)) == tree
 
 
-def test_what_is_no_log_of_a_case_in_a_file(periph_sim: Run, tmp_path: Path) -> None:
+def test_a_file_that_is_no_log_of_a_case_is_rejected(periph_sim: Run, tmp_path: Path) -> None:
     log = tmp_path / "live.jsonl"
     for text, sentence in (
         (None, "No such file or directory; give the log of a session"),

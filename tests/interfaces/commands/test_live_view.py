@@ -1,4 +1,4 @@
-"""The view in the terminal: what stands on the screen, whatever its size."""
+"""The view in the terminal: the contents of the screen at any size."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def lines(height: int, **more: object) -> list[str]:
     return [line.rstrip() for line in out.getvalue().splitlines()]
 
 
-def test_all_of_it() -> None:
+def test_a_large_screen_shows_everything() -> None:
     shown = "\n".join(lines(60))
     for part in (
         "mine: live, 0.1 s simulated, 0.50 s a second",

@@ -1,4 +1,4 @@
-"""Mistyped options, keys and file names of commands are answered with what was meant."""
+"""The error for a mistyped option, key or file name suggests the correct one."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ from tests.interfaces.commands.conftest import Run
         ),
     ],
 )
-def test_a_mistyped_argument_is_answered_with_the_fix(periph_sim: Run, desk: Path, arguments: list[str], fix: str):
+def test_the_error_for_a_mistyped_argument_suggests_the_correct_one(
+    periph_sim: Run, desk: Path, arguments: list[str], fix: str
+):
     for name in ("run.psr", "blink.out", "echo.asm", "rest.csv"):
         (desk / name).touch()
     assert periph_sim.refused(*arguments) == fix

@@ -1,4 +1,4 @@
-"""`periph-sim new`: every kind is green as it is, one line of its firmware breaks the budget that it names."""
+"""`periph-sim new`: each kind passes as written, and one line of its firmware breaks the budget that the line names."""
 
 from __future__ import annotations
 
@@ -21,15 +21,13 @@ LINE = re.compile(r'^( *)# (.*?)  # remove the first "#": .*, so budget "(.*)" b
 
 
 def words(case: Path) -> dict[str, str]:
-    came = run_case(case)
-    assert isinstance(came, Outcome), came
-    return {verdict.name: verdict.verdict for verdict in came.verdicts}
+    result = run_case(case)
+    assert isinstance(result, Outcome), result
+    return {verdict.name: verdict.verdict for verdict in result.verdicts}
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_kind_runs_as_it_is_and_the_line_that_it_names_breaks_the_budget_that_it_names(
-    periph_sim: Run, here: Path, kind: str
-):
+def test_a_kind_passes_as_written_and_its_marked_line_breaks_the_named_budget(periph_sim: Run, here: Path, kind: str):
     out = periph_sim.passes("new", kind.replace("_", "-"), "bench/mine")
     assert "\nrun it:           periph-sim run bench/mine.toml\n" in out
     case, firmware = Path("bench/mine.toml"), Path("bench/mine.py")
@@ -64,12 +62,12 @@ def test_a_planted_bug_breaks_its_budgets(periph_sim: Run, here: Path, kind: str
     assert {name for name, verdict in words(Path("mine.toml")).items() if verdict == "fail"} == broken
 
 
-def test_every_kind_that_the_help_lists_is_there(periph_sim: Run):
+def test_the_help_lists_exactly_the_kinds_that_exist(periph_sim: Run):
     listed = re.findall(r"^  ([a-z][a-z0-9-]*) {2,}\S", periph_sim("new", "--help").out, re.MULTILINE)
     assert sorted(kind.replace("-", "_") for kind in listed) == sorted([*KINDS, *PROGRAMS])
 
 
-def test_a_replay_without_a_capture_has_a_small_one(periph_sim: Run, here: Path):
+def test_a_replay_without_a_capture_gets_a_small_one(periph_sim: Run, here: Path):
     command = next(line for line in periph_sim("new", "replay").out.splitlines() if line.startswith("replay: "))
     arguments = ("replay", "replay.vcd", "--case", "replay.toml", "--tolerance", "2 us")
     assert command.split(None, 1)[1] == "periph-sim replay replay.vcd --case replay.toml --tolerance '2 us'"
@@ -79,7 +77,7 @@ def test_a_replay_without_a_capture_has_a_small_one(periph_sim: Run, here: Path)
     assert periph_sim(*arguments).status == 1
 
 
-def test_a_replay_of_a_given_capture_stands_in_for_its_busiest_target(periph_sim: Run, here: Path):
+def test_a_replay_of_a_given_capture_replaces_its_busiest_target(periph_sim: Run, here: Path):
     capture = str(TRACES / "imu_round.sr")
     assert periph_sim("new", "replay", "--from", capture).status == 0
     assert sorted(path.name for path in here.iterdir()) == ["replay.py", "replay.toml"]
@@ -90,22 +88,20 @@ def test_a_replay_of_a_given_capture_stands_in_for_its_busiest_target(periph_sim
 
 
 @pytest.mark.parametrize("capture", ["i2c_slow_slave.csv", "i2c_eeprom_busy.sr", "nack.sr", "imu_session.sr"])
-def test_a_replay_is_green_whatever_the_captured_target_refuses_and_whoever_else_is_asked(
-    periph_sim: Run, here: Path, capture: str
-):
+def test_a_replay_passes_for_captures_with_nacks_and_several_targets(periph_sim: Run, here: Path, capture: str):
     assert periph_sim("new", "replay", "mine", "--from", str(TRACES / capture)).status == 0
-    came = periph_sim("replay", str(TRACES / capture), "--case", "mine.toml", "--tolerance", "2 us")
-    assert came.status == 0, came.out
+    result = periph_sim("replay", str(TRACES / capture), "--case", "mine.toml", "--tolerance", "2 us")
+    assert result.status == 0, result.out
     assert set(words(Path("mine.toml")).values()) == {"pass"}
 
 
-def test_a_stop_between_pointer_and_read_does_no_harm(periph_sim: Run, here: Path):
-    """It sets SCD, which the read that follows must not take for its own end."""
+def test_a_stop_between_pointer_and_read_breaks_nothing(periph_sim: Run, here: Path):
+    """The STOP sets SCD, which the firmware must not take for the end of the read that follows."""
     assert periph_sim("new", "i2c-slave").status == 0
     assert periph_sim("run", "i2c_slave.toml", "--set", "controller.pointer_by=STOP").status == 0
 
 
-def test_an_example_runs_where_it_lands_with_all_firmware_that_it_needs(periph_sim: Run, here: Path):
+def test_an_example_is_copied_with_all_firmware_that_it_needs(periph_sim: Run, here: Path):
     assert periph_sim("new", "--example", "two_dsps", "copy").status == 0
     names = {"two_dsps.toml", "sensor_head.py", "imu_hil.py", "imu_models.py"}
     assert {path.name for path in Path("copy").iterdir()} == names
@@ -116,7 +112,7 @@ def test_an_example_runs_where_it_lands_with_all_firmware_that_it_needs(periph_s
 
 
 @pytest.mark.parametrize("name", ["imu_hil.toml", "imu_hil.py"])
-def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Path, name: str):
+def test_an_existing_file_is_kept_and_no_other_is_written(periph_sim: Run, here: Path, name: str):
     Path(name).write_text("mine", encoding="utf-8")
     assert (
         periph_sim.refused("new", "--example", "imu_hil")
@@ -142,7 +138,7 @@ def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Pa
         (["replay", "--from", str(TRACES / "imu_round.sr"), "--map", "scl=5,sda=1"], "there is no channel '5'"),
     ],
 )
-def test_a_mistake_is_one_sentence(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
+def test_a_wrong_argument_is_one_error_message(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
     assert sentence in periph_sim.refused("new", *arguments)
     assert not list(here.iterdir())
 
@@ -154,7 +150,7 @@ def test_a_mistake_is_one_sentence(periph_sim: Run, here: Path, arguments: list[
         ("imu_hil_c", {"imu_hil.c", "f28335.h"}, 'sources = ["imu_hil.c"]'),
     ],
 )
-def test_an_example_comes_with_its_sources_and_all_that_they_include(
+def test_an_example_is_copied_with_its_sources_and_their_includes(
     periph_sim: Run, here: Path, name: str, files: set[str], key: str
 ):
     assert periph_sim("new", "--example", name, "bench").status == 0
@@ -163,7 +159,7 @@ def test_an_example_comes_with_its_sources_and_all_that_they_include(
     assert periph_sim("run", f"bench/{name}.toml", "--seconds", "0.001").status in (0, 1)
 
 
-def test_a_disk_that_fills_up_leaves_no_half_of_a_pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_full_disk_leaves_neither_file_of_a_pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     opened = Path.open
 
     def full(path: Path, *arguments: Any, **names: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Each option has one meaning: commands that share its name share its kind of value. Former names give a notice."""
+"""An option name has one meaning in all commands: it takes the same kind of value. Former names print a notice."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ FORMER = [
 
 
 def kind_of(option: click.Option) -> tuple[object, ...]:
-    """Return what the user can write as the value of an option."""
+    """Return a description of the values that an option accepts."""
     choices = tuple(option.type.choices) if isinstance(option.type, click.Choice) else ()
     return option.type.name.removesuffix(" range"), option.metavar, option.is_flag, choices
 
 
-def test_an_option_of_several_commands_takes_one_kind_of_value():
+def test_an_option_takes_the_same_kind_of_value_in_all_commands():
     kinds: dict[str, dict[tuple[object, ...], list[str]]] = defaultdict(lambda: defaultdict(list))
     for name, one in COMMANDS.items():
         for option in one.params:
@@ -44,7 +44,7 @@ def test_an_option_of_several_commands_takes_one_kind_of_value():
 
 
 @pytest.mark.parametrize("option", ["--map", "--svg", "--tolerance", "--frame", "--set", "--log"])
-def test_these_options_have_one_help(option: str):
+def test_an_option_has_the_same_help_in_all_commands(option: str):
     options = [one for command in COMMANDS.values() for one in command.params if isinstance(one, click.Option)]
     helps = {one.help for one in options if option in one.opts}
     assert len(helps) == 1
@@ -64,7 +64,7 @@ def test_the_help_of_frame_names_the_parities_that_each_command_accepts():
 
 
 @pytest.mark.parametrize(("name", "old", "new"), FORMER)
-def test_a_former_name_is_the_present_one_with_a_notice(
+def test_a_former_name_sets_the_present_option_and_prints_a_notice(
     capsys: pytest.CaptureFixture[str], name: str, old: str, new: str
 ):
     command = COMMANDS[name]
@@ -80,6 +80,6 @@ def test_a_former_name_is_the_present_one_with_a_notice(
 
 
 def test_a_former_name_still_works(periph_sim: Run, desk: Path):
-    came = periph_sim("serve", "small.toml", "--i2cdriver", "--format", "8e1")
-    assert came.err.startswith("--format of serve is now --frame; the next release refuses --format\n")
-    assert "--frame: for serial ports only" in came.err
+    result = periph_sim("serve", "small.toml", "--i2cdriver", "--format", "8e1")
+    assert result.err.startswith("--format of serve is now --frame; the next release refuses --format\n")
+    assert "--frame: for serial ports only" in result.err

@@ -1,4 +1,4 @@
-"""What `run` prints: a table within 80 columns, a legend that applies, with -v assumptions and polls."""
+"""Output of `run`: a table within 80 columns, a legend for the words that occur, and details with -v."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def shown(budgets: list[Verdict], monkeypatch: pytest.MonkeyPatch, capsys: pytes
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_table_and_legend_of_every_shipped_case_fit_80_columns(name: str, monkeypatch, capsys):
-    """A run of two rounds, with the numbers of measurements that the baseline of the whole run has."""
+    """Two rounds are run, and the counts of occurrences are those of the baseline of the whole run."""
     case = load(TIMING / f"{name}.toml")
     result = Scene(case).run(min(Fraction(1, 20), Fraction(case.duration)))
     whole = json.loads((TIMING / "baselines" / f"{name}.json").read_text(encoding="utf-8"))["budgets"]
@@ -67,35 +67,35 @@ SEEN = "count: occurrences; seen: held in this run, other timings are not covere
         ([held, scarce], [SEEN, "not judged: too little was measured; no pass"]),
     ],
 )
-def test_the_legend_says_what_stands_in_this_table_and_no_more(budgets: list[Verdict], lines: list[str]):
+def test_the_legend_explains_only_the_words_of_this_table(budgets: list[Verdict], lines: list[str]):
     assert legend(budgets) == lines
 
 
-def test_what_a_run_assumes_is_a_number_and_with_v_a_line_each(periph_sim: Run):
+def test_assumptions_are_counted_and_listed_with_verbose(periph_sim: Run):
     short = ("run", str(TIMING / "wrong_order.toml"), "--seconds", "0.01")
-    names = periph_sim(*short, "--json").told["unknowns"]
+    names = periph_sim(*short, "--json").json_object["unknowns"]
     assert periph_sim(*short).out.endswith(f"\nassumes {len(names)} undocumented behaviours (-v lists them)\n")
     option = ("--set", "unit.dsp.options.i2c.noise_filter_cycles=2")
-    told = periph_sim(*short, "-v", *option).out.splitlines()
-    at = told.index(f"assumes {len(names)} undocumented behaviours; `regs --options` lists the questions:")
-    assert [line.split()[0] for line in told[at + 1 :]] == names
-    assert "  dsp.i2c.noise_filter_cycles = 2; the default is 1" in told
-    assert "  dsp.i2c.aas_sdir_point = fall8, the default" in told
+    report = periph_sim(*short, "-v", *option).out.splitlines()
+    at = report.index(f"assumes {len(names)} undocumented behaviours; `regs --options` lists the questions:")
+    assert [line.split()[0] for line in report[at + 1 :]] == names
+    assert "  dsp.i2c.noise_filter_cycles = 2; the default is 1" in report
+    assert "  dsp.i2c.aas_sdir_point = fall8, the default" in report
 
 
-def test_a_run_that_assumes_nothing_says_nothing_of_it(periph_sim: Run, desk: Path):
+def test_a_run_without_assumptions_does_not_mention_them(periph_sim: Run, desk: Path):
     assert "undocumented" not in periph_sim("run", "small.toml", "-v").out
 
 
-def test_what_a_chip_on_the_bus_assumes_is_listed_by_its_name(periph_sim: Run):
+def test_assumptions_of_a_chip_on_the_bus_have_its_name(periph_sim: Run):
     reserved = ("--set", "chip.gyroscope.registers.DLPF_FS=0")
-    told = periph_sim("run", str(TIMING / "imu_chips.toml"), "--seconds", "0.01", "--verbose", *reserved).out
-    assert "\n  gyroscope.fs_sel_other = as_3, the default\n" in told
+    report = periph_sim("run", str(TIMING / "imu_chips.toml"), "--seconds", "0.01", "--verbose", *reserved).out
+    assert "\n  gyroscope.fs_sel_other = as_3, the default\n" in report
 
 
-def test_polls_that_were_skipped_are_told_with_v_rounded(periph_sim: Run):
+def test_verbose_shows_the_rounded_number_of_skipped_polls(periph_sim: Run):
     short = ("run", str(TIMING / "wrong_order.toml"), "--seconds", "0.01")
-    exact = periph_sim(*short, "--json").told["counts"]["polls_skipped"]
+    exact = periph_sim(*short, "--json").json_object["counts"]["polls_skipped"]
     assert 1_000 <= exact < 1_000_000
     assert "polls" not in periph_sim(*short).out
     assert f"\nskipped {exact / 1000:.1f} k polls\n" in periph_sim(*short, "-v").out
@@ -104,7 +104,7 @@ def test_polls_that_were_skipped_are_told_with_v_rounded(periph_sim: Run):
 @pytest.mark.parametrize(
     ("count", "text"), [(142_688_792, "142.7 M"), (161_830, "161.8 k"), (1000, "1.0 k"), (999, "999")]
 )
-def test_a_count_of_which_only_the_size_matters(count: int, text: str):
+def test_a_large_count_is_rounded(count: int, text: str):
     assert rounded(count) == text
 
 

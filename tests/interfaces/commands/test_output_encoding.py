@@ -1,4 +1,4 @@
-"""Commands print to pipes whose encoding lacks their characters, as cp1252 does on Windows."""
+"""Commands print to pipes whose encoding lacks some of their characters, such as cp1252 on Windows."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SAME = {"─": "-", "┌": "+", "┐": "+", "└": "+", "┘": "+", "░": ":"} 
 
 
 def printed(encoding: str, arguments: tuple[str, ...]) -> tuple[int, str, str]:
-    """Exit status, standard output and standard error of a command whose streams have this encoding."""
+    """Return exit status, standard output and standard error of a command whose streams have this encoding."""
     given = {**os.environ, "PYTHONIOENCODING": encoding, "COLUMNS": "80"}
     came = subprocess.run(
         [sys.executable, "-m", "periph_sim", *arguments], env=given, capture_output=True, cwd=TIMING.parent
@@ -32,7 +32,7 @@ def printed(encoding: str, arguments: tuple[str, ...]) -> tuple[int, str, str]:
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_command_prints_one_ascii_character_for_each_character_that_the_encoding_lacks(name: str) -> None:
+def test_a_character_that_the_encoding_lacks_is_printed_as_one_ascii_character(name: str) -> None:
     status, out, error = printed("utf-8", COMMANDS[name])
     plain_status, plain_out, plain_error = printed("cp1252", COMMANDS[name])
     assert plain_status == status and "Traceback" not in plain_error
@@ -41,7 +41,7 @@ def test_a_command_prints_one_ascii_character_for_each_character_that_the_encodi
         assert plain == drawn or plain == SAME[drawn]
 
 
-def test_json_escapes_what_the_encoding_might_lack(tmp_path: Path) -> None:
+def test_json_escapes_all_characters_beyond_ascii(tmp_path: Path) -> None:
     text = (TIMING / "imu_hil.toml").read_text(encoding="utf-8").replace('"data age"', '"age ─ µ"')
     case = tmp_path / "case.toml"
     case.write_text(text, encoding="utf-8")

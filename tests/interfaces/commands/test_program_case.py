@@ -1,4 +1,4 @@
-"""`periph-sim new image` and `new c`: a run finds boot mode, modules, pins, vectors and loops, and the case passes."""
+"""`periph-sim new image` and `new c`: a run finds boot mode, modules, pins, vectors and loops; the case passes."""
 
 from __future__ import annotations
 
@@ -80,9 +80,7 @@ def test_interrupts_their_periods_and_pins_become_budgets_that_hold(periph_sim: 
     assert "period of TINT0" in periph_sim("run", "mine.toml").out and periph_sim("run", "mine.toml").status == 1
 
 
-def test_the_section_codestart_says_how_it_begins_and_a_loop_is_named_by_what_it_calls_once(
-    periph_sim: Run, here: Path
-):
+def test_codestart_sets_the_boot_mode_and_a_function_called_once_names_the_loop(periph_sim: Run, here: Path):
     program(LOOP.format(passes=20_000), CODESTART, text=0x33_0000)
     assert periph_sim("new", "image", "mine.asm").status == 0
     case = written()
@@ -91,8 +89,8 @@ def test_the_section_codestart_says_how_it_begins_and_a_loop_is_named_by_what_it
     assert periph_sim("run", "mine.toml").status == 0
 
 
-def test_pins_away_from_the_usual_ones_and_of_external_interrupts_are_named(periph_sim: Run, here: Path):
-    """GPBMUX1 = 0x540: SCIRXDA on GPIO36, SCITXDA on GPIO35. GPIOXINT1SEL = 13, XINT1CR.ENABLE. SCICCR is written."""
+def test_unusual_pins_and_pins_of_external_interrupts_are_written(periph_sim: Run, here: Path):
+    """GPBMUX1 = 0x540: SCIRXDA is on GPIO36, SCITXDA on GPIO35. GPIOXINT1SEL = 13 and XINT1CR.ENABLE select XINT1."""
     program(
         "_main: EALLOW\n MOVW DP,#0x6F96 >> 6\n MOV @0x6F96,#0x0140\n MOVW DP,#0x6FE0 >> 6\n MOV @0x6FE0,#13\n EDIS\n"
         " MOVW DP,#0x7070 >> 6\n MOV @0x7070,#1\n MOVW DP,#0x7050 >> 6\n MOV @0x7050,#7\n"
@@ -104,16 +102,16 @@ def test_pins_away_from_the_usual_ones_and_of_external_interrupts_are_named(peri
     assert unit["modules"] == ["SCI-A", "GPIO", "XINT"]
 
 
-def test_an_image_without_symbols_is_told(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
+def test_an_image_without_symbols_is_a_note(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
     program(LOOP.format(passes=100))
     monkeypatch.setattr(program_case, "program_in", lambda path: replace(program_in(path), symbols=()))
-    came = periph_sim("new", "image", "mine.asm")
+    result = periph_sim("new", "image", "mine.asm")
     note = "note: the image has no symbols, so no function has a name; link it with symbols, and compile it with -g\n"
-    assert came.status == 0 and note in came.out
+    assert result.status == 0 and note in result.out
 
 
 @pytest.mark.parametrize(("address", "boot"), [(0, "ram"), (0x9800, "entry")])
-def test_the_section_codestart_where_the_boot_rom_jumps_otherwise(periph_sim: Run, here: Path, address: int, boot: str):
+def test_a_codestart_at_another_address_sets_another_boot_mode(periph_sim: Run, here: Path, address: int, boot: str):
     program(LOOP.format(passes=100), CODESTART.replace("0x33FFF6", str(address)))
     assert periph_sim("new", "image", "mine.asm").status == 0
     assert written()["unit"]["dsp"]["boot"] == boot
@@ -128,8 +126,8 @@ def test_an_output_that_rises_once_is_named_and_has_no_period(periph_sim: Run, h
     assert written()["unit"]["dsp"]["pins"] == {"GPIO0": 0} and "budget" not in written()
 
 
-def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
-    """The passes of delays that are skipped are no work that would end it."""
+def test_the_run_lasts_until_something_has_repeated(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
+    """Skipped passes of delay loops do not count as work that ends the run."""
     monkeypatch.setattr(program_case, "MOST_WORK", 20_000)
     program(LOOP.format(passes=60_000))
     assert periph_sim("new", "image", "mine.asm").status == 0
@@ -171,20 +169,24 @@ def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path,
         ),
     ],
 )
-def test_a_program_that_never_loops_is_told_why(periph_sim: Run, here: Path, body: str, wdcr: int, notes: list[str]):
+def test_a_program_without_a_repetition_gets_a_note_with_the_reason(
+    periph_sim: Run, here: Path, body: str, wdcr: int, notes: list[str]
+):
     program(body, wdcr=wdcr)
-    came = periph_sim("new", "image", "mine.asm")
-    assert came.status == 0 and "budget" not in written()
-    told = [line.removeprefix("note: ") for line in came.out.splitlines() if line.startswith("note: ")]
-    assert len(told) == len(notes) and all(line.startswith(note) for line, note in zip(told, notes, strict=True)), told
-    assert "periph-sim worst" not in came.out and "limits:" not in Path("mine.toml").read_text(encoding="utf-8")
-    assert told[-1].endswith("without a model") or told[-1] == notes[-1]
+    result = periph_sim("new", "image", "mine.asm")
+    assert result.status == 0 and "budget" not in written()
+    report = [line.removeprefix("note: ") for line in result.out.splitlines() if line.startswith("note: ")]
+    assert len(report) == len(notes) and all(line.startswith(note) for line, note in zip(report, notes, strict=True)), (
+        report
+    )
+    assert "periph-sim worst" not in result.out and "limits:" not in Path("mine.toml").read_text(encoding="utf-8")
+    assert report[-1].endswith("without a model") or report[-1] == notes[-1]
 
 
 def test_a_program_that_cannot_run_has_no_case(periph_sim: Run, here: Path):
     program("_main: .word 0\n_once:\n_often:\n")
-    said = "mine.asm: it cannot run, so no case was written: dsp: 0x0000 is the illegal"
-    assert said in periph_sim.refused("new", "image", "mine.asm")
+    message = "mine.asm: it cannot run, so no case was written: dsp: 0x0000 is the illegal"
+    assert message in periph_sim.refused("new", "image", "mine.asm")
     assert not Path("mine.toml").exists()
 
 
@@ -201,7 +203,7 @@ def test_a_program_that_cannot_run_has_no_case(periph_sim: Run, here: Path):
         (["c", "part"], "part: there is 1 C source below it, but none defines main; add the file that does"),
     ],
 )
-def test_what_is_no_program_is_told_in_a_sentence(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
+def test_a_wrong_program_is_one_error_message(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
     Path("empty").mkdir()
     Path("there.asm").write_text((C28X / "blink.asm").read_text(encoding="utf-8"), encoding="utf-8")
     Path("there.toml").touch()
@@ -233,7 +235,7 @@ extern void DSP28x_usDelay(unsigned long passes);
 """
 
 
-def test_c_sources_below_a_folder_with_their_headers(periph_sim: Run, here: Path):
+def test_c_sources_and_headers_below_a_folder_are_found(periph_sim: Run, here: Path):
     for file, text in (("led/src/main.c", C), ("led/include/chip.h", CHIP), ("led/src/GlobalVariableDefs.c", "?")):
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         Path(file).write_text(text, encoding="utf-8")
@@ -247,16 +249,18 @@ def test_c_sources_below_a_folder_with_their_headers(periph_sim: Run, here: Path
 
 
 def test_an_interrupt_that_is_enabled_but_was_not_requested_is_named(periph_sim: Run, here: Path):
-    came = periph_sim("new", "c", str(C28X.parent / "c"))
-    assert "note: SCI-A did not request SCIRXINTA, which is enabled\n" in came.out
+    result = periph_sim("new", "c", str(C28X.parent / "c"))
+    assert "note: SCI-A did not request SCIRXINTA, which is enabled\n" in result.out
 
 
-def test_the_present_folder_gives_the_case_its_name(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
+def test_the_current_folder_gives_the_case_its_name(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
     Path("led").mkdir()
     monkeypatch.chdir("led")
     Path("main.c").write_text("int main(void) { for (;;); }\n", encoding="utf-8")
-    came = periph_sim("new", "c", ".")
-    assert came.out.startswith("written: led.toml\nnote: its watchdog reset it 4 times, first at 4369.067 us; disable")
+    result = periph_sim("new", "c", ".")
+    assert result.out.startswith(
+        "written: led.toml\nnote: its watchdog reset it 4 times, first at 4369.067 us; disable"
+    )
 
 
 def test_a_header_that_is_missing_is_named_with_the_file_that_includes_it(periph_sim: Run, here: Path):
@@ -271,12 +275,12 @@ def test_c_sources_that_do_not_compile_have_no_case(periph_sim: Run, here: Path)
     Path("bad/lib").mkdir(parents=True)
     Path("bad/main.c").write_text("int main(void) { for (;;); }\n", encoding="utf-8")
     Path("bad/lib/again.c").write_text("int main(void) { for (;;); }\n", encoding="utf-8")
-    said = periph_sim.refused("new", "c", "bad")
-    assert said.startswith("no case was written: ") and said.endswith("define 'main'; leave one of them out")
+    message = periph_sim.refused("new", "c", "bad")
+    assert message.startswith("no case was written: ") and message.endswith("define 'main'; leave one of them out")
     assert not Path("bad.toml").exists()
 
 
-def test_the_outermost_loop_is_that_which_still_calls():
+def test_the_outermost_loop_is_the_one_that_still_calls_functions():
     calls = LoopCalls()
     calls.called("main", 0)
     for tick in range(10):

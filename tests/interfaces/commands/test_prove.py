@@ -1,4 +1,4 @@
-"""`periph-sim prove`: what it prints, any number of processes, and what is refused or stopped."""
+"""`periph-sim prove`: output, any number of processes, rejected input and interruption."""
 
 from __future__ import annotations
 
@@ -40,31 +40,31 @@ def sets(*changes: str) -> list[str]:
     return [word for change in changes for word in ("--set", change)]
 
 
-def test_where_every_budget_holds_the_exit_status_is_0(periph_sim: Run) -> None:
-    came = periph_sim(*HERE, "--phases", "0 us to 1 us", "--step", "10", "--jobs", "1")
-    lines = came.out.splitlines()
-    assert (came.status, lines[0]) == (0, "listener: 16 of 15,000 phases run; budgets: 3 held")
-    assert "listener: 16 phases to run, about 1 s of CPU" in came.err
+def test_the_exit_status_is_0_if_every_budget_holds(periph_sim: Run) -> None:
+    result = periph_sim(*HERE, "--phases", "0 us to 1 us", "--step", "10", "--jobs", "1")
+    lines = result.out.splitlines()
+    assert (result.status, lines[0]) == (0, "listener: 16 of 15,000 phases run; budgets: 3 held")
+    assert "listener: 16 phases to run, about 1 s of CPU" in result.err
     assert all(len(line) <= 80 for line in lines)
 
 
-def test_a_broken_budget_has_its_window_and_exit_status_1(periph_sim: Run) -> None:
-    came = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1")
-    assert came.status == 1
-    assert "budgets: 1 broken, 2 held" in came.out
-    assert "both neighbours held" in came.out and "bad: broken from 0.00416" in came.out
-    assert came.out.count("first phase: certain from 2380.940 us on: dsp: GPIO.GPBSET written") == 1
-    assert came.out.count("last phase: certain from ") == 1 and came.out.count(", which held: dsp: ") == 2
-    assert all(len(line) <= 80 for line in came.out.splitlines())
+def test_a_broken_budget_has_a_window_and_exit_status_1(periph_sim: Run) -> None:
+    result = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1")
+    assert result.status == 1
+    assert "budgets: 1 broken, 2 held" in result.out
+    assert "both neighbours held" in result.out and "bad: broken from 0.00416" in result.out
+    assert result.out.count("first phase: certain from 2380.940 us on: dsp: GPIO.GPBSET written") == 1
+    assert result.out.count("last phase: certain from ") == 1 and result.out.count(", which held: dsp: ") == 2
+    assert all(len(line) <= 80 for line in result.out.splitlines())
 
 
 def test_a_budget_that_no_run_judges_is_named_and_exit_status_is_1(periph_sim: Run) -> None:
     text = Path("listener.toml").read_text(encoding="utf-8")
     never = '[[budget]]\nname = "never"\nmeasure = "from edge BAD rise to edge BAD fall"\nmax = "1 us"\n'
     Path("listener.toml").write_text(text + never, encoding="utf-8")
-    came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json")
-    assert came.status == 1
-    assert came.told["budgets"]["never"]["verdict"] == "not judged"
+    result = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json")
+    assert result.status == 1
+    assert result.json_object["budgets"]["never"]["verdict"] == "not judged"
 
 
 def test_budgets_and_percentiles_that_are_not_covered_are_named(periph_sim: Run) -> None:
@@ -72,27 +72,27 @@ def test_budgets_and_percentiles_that_are_not_covered_are_named(periph_sim: Run)
     more = ('measure = "cpu load"\nmax = "90 %"', 'measure = "count of edge SEEN rise"\nmin = 3')
     budgets = [f'[[budget]]\nname = "{name}"\n{one}\n' for name, one in zip(("load", "seen"), more, strict=True)]
     Path("listener.toml").write_text(text + "".join(budgets), encoding="utf-8")
-    said = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json").told
-    assert said["not_covered"] == {
+    message = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json").json_object
+    assert message["not_covered"] == {
         "p99 of late": "a percentile describes all occurrences of a run",
         "load": "it is a share of a whole run",
         "seen": "it counts the events of a whole run",
     }
-    assert said["budgets"].keys() == {"late", "bad", "high-water"}
+    assert message["budgets"].keys() == {"late", "bad", "high-water"}
 
 
-def test_any_number_of_processes_gives_the_same_answer(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A window lies across the end of a part, and one contains the end of the period."""
+def test_the_answer_is_the_same_with_any_number_of_processes(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One window crosses the border of two parts, and one contains the end of the period."""
     monkeypatch.setattr(reports, "PART", 16)
     arguments = (*HERE, *sets(*settings_of(low=3440, high=3640, first="true")), "--step", "200", "--json", "--jobs")
-    one, two, three = (periph_sim(*arguments, jobs).told for jobs in ("1", "2", "3"))
+    one, two, three = (periph_sim(*arguments, jobs).json_object for jobs in ("1", "2", "3"))
     assert one == two == three
     assert any(window["first"] > window["last"] and window["closed"] for window in one["windows"])
     assert (one["phases"]["chosen"], one["phases"]["run"]) == (76, 92)  # more are run to find the ends of windows
 
 
 def test_failures_without_a_budget_are_named_with_their_reason(periph_sim: Run) -> None:
-    came = periph_sim(
+    result = periph_sim(
         *HERE,
         *sets(*BAD, "unit.dsp.settings.then=error"),
         "--phases",
@@ -103,26 +103,26 @@ def test_failures_without_a_budget_are_named_with_their_reason(periph_sim: Run) 
         "1",
         "--json",
     )
-    said = came.told
-    assert came.status == 1
-    assert [window["name"] for window in said["windows"]] == ["ended by an error"]
-    assert "a character came too late" in said["reasons"]["ended by an error"]
-    assert {one["verdict"] for one in said["budgets"].values()} == {"held"}
+    message = result.json_object
+    assert result.status == 1
+    assert [window["name"] for window in message["windows"]] == ["ended by an error"]
+    assert "a character came too late" in message["reasons"]["ended by an error"]
+    assert {one["verdict"] for one in message["budgets"].values()} == {"held"}
 
 
 def test_windows_of_sends_are_not_joined_at_the_end_of_their_millisecond(periph_sim: Run) -> None:
-    """The reply takes longer than allowed at every phase: one window, as wide as the phases that were run."""
+    """The reply is late at every phase, so there is one window, as wide as the phases that were run."""
     text = (
         'name = "silent"\nduration = "400 us"\n[unit.dsp]\nfirmware = "listener.py"\nmodules = ["SCI-A", "GPIO"]\n'
         '[[serial.send]]\nname = "ask"\nto = "dsp.SCI-A"\ntext = "?"\nat = "50 us"\n'
         '[[serial.expect]]\nname = "reply"\nfrom = "dsp.SCI-A"\ntext = "OK"\nafter_send = "ask"\nwithin = "200 us"\n'
     )
     Path("silent.toml").write_text(text, encoding="utf-8")
-    came = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1", "--json")
-    (window,) = came.told["windows"]
+    result = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1", "--json")
+    (window,) = result.json_object["windows"]
     assert (window["first"], window["last"], window["closed"]) == (0, 300_000, False)
-    came = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1")
-    assert "300,001 phases, " in came.out
+    result = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1")
+    assert "300,001 phases, " in result.out
 
 
 WRONG = {
@@ -168,25 +168,25 @@ def test_results_are_shown_if_their_witnesses_cannot_be_written(
 
     Path("out").mkdir()
     monkeypatch.setattr(tempfile, "mkstemp", refuse)
-    came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--witness", "out")
-    assert came.status == 2
-    assert "budgets: 3 held" in came.out
-    assert "Error: out/listener_late.toml" in came.err and "Traceback" not in came.err
+    result = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--witness", "out")
+    assert result.status == 2
+    assert "budgets: 3 held" in result.out
+    assert "Error: out/listener_late.toml" in result.err and "Traceback" not in result.err
 
 
-def test_a_killed_process_leaves_the_results_before_it(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A worker dies at the first phase that fails; the parts before it are shown."""
+def test_the_earlier_results_are_shown_if_a_process_is_killed(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker dies at the first phase that fails; the results of the parts before it are shown."""
     monkeypatch.setattr(reports, "PART", 32)
     monkeypatch.setattr(reports, "TRIED", 1)
     dies = sets(*BAD, "unit.dsp.settings.then=dies")
-    came = periph_sim(*HERE, *dies, "--phases", "0.7 us to 5 us", "--step", "5", "--jobs", "2", "--json")
-    said = came.told
-    assert came.status == 2
-    assert "died" in said["stopped"] and said["stopped"] in came.err
-    assert said["phases"]["run"] % 32 == 0 and said["phases"]["run"] < said["phases"]["chosen"]
+    result = periph_sim(*HERE, *dies, "--phases", "0.7 us to 5 us", "--step", "5", "--jobs", "2", "--json")
+    message = result.json_object
+    assert result.status == 2
+    assert "died" in message["stopped"] and message["stopped"] in result.err
+    assert message["phases"]["run"] % 32 == 0 and message["phases"]["run"] < message["phases"]["chosen"]
 
 
-def test_ctrl_c_leaves_the_results_before_it(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_earlier_results_are_shown_after_ctrl_c(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reports, "PART", 32)
     run = cover_part
 
@@ -196,12 +196,12 @@ def test_ctrl_c_leaves_the_results_before_it(periph_sim: Run, monkeypatch: pytes
         return run(job, phases, seed)
 
     monkeypatch.setattr(reports, "cover_part", stopped)
-    came = periph_sim(*HERE, "--phases", "0 us to 1 us", "--step", "1", "--jobs", "1")
-    assert (came.status, came.err.splitlines()[-1]) == (2, "Error: stopped by Ctrl-C or SIGTERM")
-    assert came.out.startswith("listener: 96 of 15,000 phases run; budgets: 3 held")
+    result = periph_sim(*HERE, "--phases", "0 us to 1 us", "--step", "1", "--jobs", "1")
+    assert (result.status, result.err.splitlines()[-1]) == (2, "Error: stopped by Ctrl-C or SIGTERM")
+    assert result.out.startswith("listener: 96 of 15,000 phases run; budgets: 3 held")
 
 
-def test_ctrl_c_while_the_ends_of_windows_are_searched_leaves_the_results(
+def test_the_results_are_shown_after_ctrl_c_in_the_search_for_window_ends(
     periph_sim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = Path("listener.toml").read_text(encoding="utf-8")
@@ -210,9 +210,11 @@ def test_ctrl_c_while_the_ends_of_windows_are_searched_leaves_the_results(
     command = (*HERE, "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1", "--save")
     with monkeypatch.context() as stopped:
         stopped.setattr(reports, "windows_of", interrupt)
-        came = periph_sim(*command)
-    assert (came.status, came.err.splitlines()[-1]) == (2, STOPPED)
-    assert came.out.startswith("listener: ") and "budgets: 1 broken, 2 held; stopped, 0 phases not run\n" in came.out
+        result = periph_sim(*command)
+    assert (result.status, result.err.splitlines()[-1]) == (2, STOPPED)
+    assert (
+        result.out.startswith("listener: ") and "budgets: 1 broken, 2 held; stopped, 0 phases not run\n" in result.out
+    )
     assert "coverage/listener.json is not complete" in periph_sim("run", "listener.toml").out
     continued, file = periph_sim(*command), Path("coverage/listener.json")
     saved = file.read_bytes()
@@ -221,15 +223,15 @@ def test_ctrl_c_while_the_ends_of_windows_are_searched_leaves_the_results(
     assert (periph_sim(*command).out, file.read_bytes()) == (continued.out, saved)
 
 
-def test_ctrl_c_after_the_windows_are_found_leaves_them(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_windows_are_shown_after_ctrl_c(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("periph_sim.interfaces.reports.certain_failure.certain_failures", interrupt)
-    came = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1")
-    assert (came.status, came.err.splitlines()[-1]) == (2, STOPPED)
-    assert "bad: broken from " in came.out and "certain from" not in came.out
+    result = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1")
+    assert (result.status, result.err.splitlines()[-1]) == (2, STOPPED)
+    assert "bad: broken from " in result.out and "certain from" not in result.out
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_signal_stops_it_and_shows_what_was_covered(desk: Path) -> None:
+def test_a_signal_stops_the_command_and_the_results_are_shown(desk: Path) -> None:
     command = [sys.executable, "-m", "periph_sim", *HERE, "--jobs", "1", "--step", "1"]
     process = subprocess.Popen(command, cwd=desk, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
@@ -259,7 +261,7 @@ def main(dsp, settings):
 """
 
 
-def test_more_rounds_at_one_phase_find_what_the_firmware_does_each_seventh_time(periph_sim: Run) -> None:
+def test_more_rounds_at_one_phase_find_rare_behaviour_of_the_firmware(periph_sim: Run) -> None:
     Path("seventh.py").write_text(SEVENTH, encoding="utf-8")
     Path("seventh.toml").write_text(
         'name = "seventh"\nduration = "5 ms"\n[unit.dsp]\nfirmware = "seventh.py"\nmodules = ["SCI-A"]\n'
@@ -269,8 +271,8 @@ def test_more_rounds_at_one_phase_find_what_the_firmware_does_each_seventh_time(
     )
     one_phase = ("prove", "seventh.toml", "--phases", "0 us to 0 us", "--jobs", "1", "--rounds")
     assert "budgets: 1 held" in periph_sim(*one_phase, "3").out
-    came = periph_sim(*one_phase, "41")
-    assert came.status == 1 and "budgets: 1 broken" in came.out
+    result = periph_sim(*one_phase, "41")
+    assert result.status == 1 and "budgets: 1 broken" in result.out
 
 
 def test_a_stopped_coverage_does_not_replace_a_complete_one(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -282,10 +284,10 @@ def test_a_stopped_coverage_does_not_replace_a_complete_one(periph_sim: Run, mon
         raise KeyboardInterrupt
 
     monkeypatch.setattr(reports, "cover_part", stopped)
-    came = periph_sim(*HERE, "--phases", "0 us to 0.2 us", "--jobs", "1", "--save")
-    assert came.status == 2 and "has a coverage of other phases or files" in came.err
+    result = periph_sim(*HERE, "--phases", "0 us to 0.2 us", "--jobs", "1", "--save")
+    assert result.status == 2 and "has a coverage of other phases or files" in result.err
     assert saved.read_bytes() == complete
-    assert came.out.splitlines()[0].endswith("; stopped, 2 phases not run")
+    assert result.out.splitlines()[0].endswith("; stopped, 2 phases not run")
 
 
 def test_a_coverage_that_cannot_be_written_is_refused_before_anything_runs(periph_sim: Run) -> None:
@@ -301,16 +303,16 @@ def test_a_case_without_a_budget_that_prove_can_judge_is_refused(periph_sim: Run
 
 @pytest.mark.parametrize("options", [[], ["--table"], ["--questions"]])
 @pytest.mark.parametrize("folder", ["", "../{name}/"])
-def test_an_error_names_the_files_as_run_does(periph_sim: Run, desk: Path, options: list[str], folder: str) -> None:
+def test_an_error_equals_that_of_run(periph_sim: Run, desk: Path, options: list[str], folder: str) -> None:
     case = f"{folder.format(name=desk.name)}listener.toml"
     wrong = ["budget.0.maks=1"] if options == ["--table"] else ["budget.0.maks=1", "unit.dsp.firmware=listenr.py"]
     for changes in map(sets, wrong):
-        told = periph_sim("run", case, *changes).err
-        assert told.startswith(f"Error: {case}, --set ")
-        assert periph_sim("prove", case, *options, *changes).err == told
-    told = periph_sim("run", f"{case}x").err
-    assert told.startswith(f"Error: {case}x: cannot be read ")
-    assert periph_sim("prove", f"{case}x", *options).err == told
+        report = periph_sim("run", case, *changes).err
+        assert report.startswith(f"Error: {case}, --set ")
+        assert periph_sim("prove", case, *options, *changes).err == report
+    report = periph_sim("run", f"{case}x").err
+    assert report.startswith(f"Error: {case}x: cannot be read ")
+    assert periph_sim("prove", f"{case}x", *options).err == report
 
 
 def test_the_same_path_in_another_folder_is_another_case(
@@ -329,15 +331,15 @@ def test_the_same_path_in_another_folder_is_another_case(
 def test_run_and_worst_say_why_a_damaged_or_old_coverage_is_not_used(periph_sim: Run) -> None:
     assert periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save").status == 0
     Path("listener.py").write_text(Path("listener.py").read_text(encoding="utf-8") + "\n", encoding="utf-8")
-    came = periph_sim("worst", "listener.toml")
-    assert "coverage/listener.json is out of date: listener.py has changed; this is the worst of one run" in came.err
+    result = periph_sim("worst", "listener.toml")
+    assert "coverage/listener.json is out of date: listener.py has changed; this is the worst of one run" in result.err
     Path("coverage/listener.json").write_text("{", encoding="utf-8")
-    came = periph_sim("run", "listener.toml")
-    assert "listener: FAIL" in came.out and "is no coverage of this version of periph-sim" in came.out
-    assert "delete it, and write it again with prove --save" in came.out
+    result = periph_sim("run", "listener.toml")
+    assert "listener: FAIL" in result.out and "is no coverage of this version of periph-sim" in result.out
+    assert "delete it, and write it again with prove --save" in result.out
 
 
-def test_the_output_says_in_how_many_rounds_a_phase_held(periph_sim: Run) -> None:
+def test_the_output_has_the_number_of_rounds_at_a_phase(periph_sim: Run) -> None:
     phases = ("--phases", "0 us to 0.1 us", "--jobs", "1")
     assert periph_sim(*HERE, *phases).out.splitlines()[-1] == (
         "held: in one round of each phase; at the ends of windows, in 3 rounds"
@@ -360,28 +362,28 @@ def test_a_data_file_that_the_firmware_reads_is_a_dependency_and_one_that_it_wri
 
 
 def test_worst_names_all_phases_of_a_run_that_has_the_worst_value(periph_sim: Run) -> None:
-    """A value that one phase alone does not have is not said to be at the last phase of its run."""
+    """A value that no phase has if it is run alone is reported for all phases of its run, not for the last one."""
     assert periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save").status == 0
     saved = Path("coverage/listener.json")
     file = json.loads(saved.read_text(encoding="utf-8"))
     worst = file["found"]["worst"]["late"]
     worst["phases"], worst["verdict"]["margin"] = [0, 1, 2], -1.0
     saved.write_text(json.dumps(file), encoding="utf-8")
-    came = periph_sim("worst", "listener.toml", "late")
-    assert came.out.startswith("at phases 0.0000000 to 0.0000133 ms, the worst of coverage/listener.json:\n")
+    result = periph_sim("worst", "listener.toml", "late")
+    assert result.out.startswith("at phases 0.0000000 to 0.0000133 ms, the worst of coverage/listener.json:\n")
 
 
-def test_a_folder_also_gets_the_shares_of_runs_that_fail(periph_sim: Run) -> None:
+def test_a_folder_gets_a_picture_of_the_shares_of_failing_runs(periph_sim: Run) -> None:
     Path("out").mkdir()
-    came = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1", "--svg", "out")
-    assert came.out.splitlines()[-1] == "written: out/listener_certain.svg"
+    result = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1", "--svg", "out")
+    assert result.out.splitlines()[-1] == "written: out/listener_certain.svg"
     drawn = Path("out/listener_certain.svg").read_text(encoding="utf-8")
     (first, last) = re.findall(r">(\d+) of \1<", drawn)
     assert int(first) > 0 and int(last) > 0 and "0.0041" in drawn
 
 
-def test_without_a_failure_no_shares_are_drawn(periph_sim: Run) -> None:
+def test_without_a_failure_there_is_no_picture_of_shares(periph_sim: Run) -> None:
     Path("out").mkdir()
-    came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--svg", "out")
-    assert came.out.splitlines()[-1] == "written: out/listener_phases.svg"
+    result = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--svg", "out")
+    assert result.out.splitlines()[-1] == "written: out/listener_phases.svg"
     assert [path.name for path in Path("out").iterdir()] == ["listener_phases.svg"]

@@ -1,6 +1,6 @@
-"""`periph-sim prove --questions`: a table, or the phases, with other answers to open questions.
+"""`periph-sim prove --questions`: a table or the phases are run again with other answers to open questions.
 
-answers: as it is, AAS with the ninth fall, AAS with the eighth rise --> a table, or a coverage, of each
+answers: default, AAS at the ninth fall, AAS at the eighth rise --> one table or coverage per answer
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def few_questions(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_table_is_made_with_each_answer(periph_sim: Run, tmp_path: Path):
-    """With AAS one bit later, the slave reads I2CSTR before AAS is set, and then waits for an interrupt in vain."""
+    """With AAS one bit later, the slave reads I2CSTR before AAS is set, and waits for an interrupt that never comes."""
     case = write_slave(tmp_path)
     status, shown = periph_sim.json("prove", str(case), "--table", "--questions", "--jobs", "1")
     assert (status, [one["answers"] for one in shown["runs"]]) == (
@@ -48,22 +48,22 @@ def test_a_table_is_made_with_each_answer(periph_sim: Run, tmp_path: Path):
     assert shown["not_covered"]["load"] == "it is a share of a whole run"
 
 
-def test_the_text_names_what_depends_on_an_answer_and_what_is_proven(periph_sim: Run, tmp_path: Path):
-    came = periph_sim("prove", str(write_slave(tmp_path)), "--table", "--questions", "--jobs", "1")
-    text = " ".join(came.out.split())
+def test_the_text_names_budgets_that_depend_on_an_answer_and_proven_ones(periph_sim: Run, tmp_path: Path):
+    result = periph_sim("prove", str(write_slave(tmp_path)), "--table", "--questions", "--jobs", "1")
+    text = " ".join(result.out.split())
     assert text.startswith("image_register_slave: 3 tables of 80 starts: the case as it is, 2 other answers one at a")
     assert "wrong bytes 0 650 proven as it is; [2]: broken (650)" in text
     assert "worst: of all these tables." in text
-    assert "not covered: load: it is a share of a whole run" in came.out.splitlines()
+    assert "not covered: load: it is a share of a whole run" in result.out.splitlines()
 
 
 def test_phases_are_run_with_each_answer(periph_sim: Run):
-    """The worst values of the case as it is are those of `prove` without --questions."""
+    """The worst values with the default answers are those of `prove` without --questions."""
     case = str(TIMING / "responder.toml")
-    plain = periph_sim("prove", case, *NEAR, "--json").told["budgets"]
-    came = periph_sim("prove", case, "--questions", "--jobs", "1", *NEAR)
-    text = " ".join(came.out.split())
-    assert came.status == 1
+    plain = periph_sim("prove", case, *NEAR, "--json").json_object["budgets"]
+    result = periph_sim("prove", case, "--questions", "--jobs", "1", *NEAR)
+    text = " ".join(result.out.split())
+    assert result.status == 1
     assert text.startswith("responder: 3 coverages of 3 phases: the case as it is, 2 other answers one at a time")
     assert {name: one["worst"] for name, one in plain.items()} == {
         "wrong bytes": 0, "nacked rounds": 0, "missed rounds": 0,

@@ -1,4 +1,4 @@
-"""`periph-sim replay` as it is called: what it prints, its exit status, and its one sentence when it refuses."""
+"""`periph-sim replay`: output, exit status and error messages."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ MASTER = str(CASES / "captured_master.toml")
 LOGGER, RESPONDER = str(CASES / "uart_logger.toml"), str(CASES / "responder.toml")
 
 
-def test_a_uart_trace_goes_into_the_sci(periph_sim: Run):
+def test_a_uart_trace_is_replayed_into_the_sci(periph_sim: Run):
     status, out, err = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--baud", "115200")
     assert (status, err) == (0, "")
     assert "uart_logger" in out and "PASS" in out and "24 of 24" in out and "FE 0, PE 0" in out
 
 
-def test_json_is_one_object_with_everything(periph_sim: Run):
+def test_json_is_one_object_with_all_results(periph_sim: Run):
     status, report = periph_sim.json("replay", HOST_FRAMES, "--case", LOGGER, "--map", "rx=0")
     assert status == 0
     assert (report["case"], report["kind"], report["verdict"]) == ("uart_logger", "uart", "pass")
@@ -61,7 +61,7 @@ def main(dsp, settings):
 
 @pytest.fixture
 def tens(tmp_path: Path) -> str:
-    """A case whose firmware takes ten words at a time, at a rate and in a format of its own."""
+    """A case whose firmware takes ten words at a time, with settable baud rate and frame format."""
     (tmp_path / "tens.py").write_text(TENS)
     case = tmp_path / "tens.toml"
     unit = f'[unit.dsp]\nfirmware = "{tmp_path / "tens.py"}"\nmodules = ["SCI-A"]\n'
@@ -69,25 +69,27 @@ def tens(tmp_path: Path) -> str:
     return str(case)
 
 
-def test_words_still_in_the_fifo_are_told_and_are_no_divergence(periph_sim: Run, tens):
+def test_unread_words_in_the_fifo_are_a_note_and_no_divergence(periph_sim: Run, tens):
     status, report = periph_sim.json("replay", HOST_FRAMES, "--case", tens)
     assert status == 0 and (report["events"], report["bytes"]) == (24, 20)
     assert not any(report[of_i2c] for of_i2c in ("transfers", "captured_transfers", "nacks", "captured_stretch_us"))
     assert "words still unread in the FIFO: 4" in report["notes"]
 
 
-def test_a_divergence_is_exit_status_1_and_tells_where(periph_sim: Run, tens):
-    """The firmware sets the SCI to eight data bits; seven are said of the line, so each eighth is a stop bit."""
+def test_a_divergence_has_exit_status_1_and_its_place(periph_sim: Run, tens):
+    """The firmware receives eight data bits and the capture is read with seven, so each eighth bit is a stop bit."""
     status, out, _ = periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1")
     assert status == 1 and "FAIL" in out and "0 of " in out
     assert "first wrong byte" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
-    notes = periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1", "--json").told
+    notes = periph_sim(
+        "replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1", "--json"
+    ).json_object
     assert notes["notes"][0].startswith("read at 115200 baud, 7n1, ") and len(notes["notes"]) > 1
     line = TENS.splitlines().index("            sci.SCIRXBUF.all") + 1
     assert f"the firmware was at tens.py:{line}, in main" in out
 
 
-def test_a_rate_that_is_off_is_noted(periph_sim: Run, tens):
+def test_a_wrong_baud_rate_is_a_note(periph_sim: Run, tens):
     _, out, _ = periph_sim(
         "replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--set", "unit.dsp.settings.brr=42"
     )
@@ -95,8 +97,8 @@ def test_a_rate_that_is_off_is_noted(periph_sim: Run, tens):
 
 
 @pytest.mark.parametrize(("oscclk", "noted"), [("30.6 MHz", False), ("30.601 MHz", True)])
-def test_a_rate_that_is_off_by_two_percent_is_not_noted(periph_sim: Run, tens, oscclk: str, noted: bool):
-    """BRR = 99 makes 46875 baud of a crystal of 30 MHz."""
+def test_a_baud_rate_within_two_percent_is_no_note(periph_sim: Run, tens, oscclk: str, noted: bool):
+    """BRR = 99 gives 46875 baud with a crystal of 30 MHz."""
     changes = ["--set", "unit.dsp.settings.brr=99", "--set", f"unit.dsp.oscclk={oscclk}"]
     _, out, _ = periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "46875", *changes)
     assert ("% off the line's" in out) == noted
@@ -110,12 +112,12 @@ def test_a_rate_that_is_off_by_two_percent_is_not_noted(periph_sim: Run, tens, o
 def test_simulated_time_is_counted_from_the_start_of_the_case(periph_sim: Run, arguments):
     capture, case, *loop = arguments
     line = ["replay", capture, "--case", case, *loop, "--json"]
-    reports = [periph_sim(*line, "--set", f"start={at}").told for at in ("0 s", "10 s")]
+    reports = [periph_sim(*line, "--set", f"start={at}").json_object for at in ("0 s", "10 s")]
     assert reports[0]["simulated_s"] == reports[1]["simulated_s"] < 1
     assert reports[0]["agreed"] == reports[1]["agreed"] > 0
 
 
-def test_a_recording_of_the_replay(periph_sim: Run, tmp_path):
+def test_a_replay_is_recorded(periph_sim: Run, tmp_path):
     status, _, _ = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--record", str(tmp_path / "run.psr"))
     table = read_table(tmp_path / "run.psr")
     assert status == 0 and "R SCI-A.SCIRXBUF" in table.names["what"]
@@ -123,7 +125,7 @@ def test_a_recording_of_the_replay(periph_sim: Run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--map", "rx=4"], "there is no channel '4'; it has RX"),
         (["--baud", "115200", "--frame", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
@@ -138,11 +140,11 @@ def test_a_recording_of_the_replay(periph_sim: Run, tmp_path):
         (["--record", "run.xyz"], "no recording is written as '.xyz'"),
     ],
 )
-def test_bad_input_is_one_sentence_and_exit_status_2(periph_sim: Run, arguments, said):
-    assert said in periph_sim.refused("replay", HOST_FRAMES, "--case", LOGGER, *arguments)
+def test_bad_input_is_one_error_message_with_exit_status_2(periph_sim: Run, arguments, message):
+    assert message in periph_sim.refused("replay", HOST_FRAMES, "--case", LOGGER, *arguments)
 
 
-def test_a_capture_that_is_no_capture_and_a_case_that_is_none(periph_sim: Run, tmp_path):
+def test_a_file_that_is_no_capture_and_a_missing_case_are_errors(periph_sim: Run, tmp_path):
     noise = tmp_path / "noise.bin"
     noise.write_bytes(bytes(range(256)))
     status, _, err = periph_sim("replay", str(noise), "--case", LOGGER)
@@ -160,29 +162,29 @@ def test_lines_without_a_transfer_are_refused(periph_sim: Run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("capture", "case", "said"),
+    ("capture", "case", "message"),
     [
         (TRACES / "nack.sr", RESPONDER, "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; state the right rate"),
         (HOST_FRAMES, LOGGER, "0.00 samples a bit at 114329.3 baud; expected at least 2, so the rate of 1 Hz or"),
     ],
 )
-def test_an_impossible_rate_is_told_before_anything_runs(periph_sim: Run, capture, case, said):
-    assert said in periph_sim.refused("replay", str(capture), "--case", case, "--rate", "1 Hz")
+def test_an_impossible_rate_is_an_error_before_the_run(periph_sim: Run, capture, case, message):
+    assert message in periph_sim.refused("replay", str(capture), "--case", case, "--rate", "1 Hz")
 
 
-def test_what_nobody_recorded_is_told(periph_sim: Run, tmp_path):
+def test_unrecorded_spans_are_a_note(periph_sim: Run, tmp_path):
     rows = ["Time [s],SCL,SDA", "0.000000,1,1", "0.001000,X,1", "0.002000,1,1", "0.003000,1,0", "0.003010,0,0"]
     (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n")
     _, _, err = periph_sim("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER)
     assert "no whole address byte" in err
     bits = "".join(f"0.00{3100 + 20 * n},0,{n & 1}\n0.00{3110 + 20 * n},1,{n & 1}\n" for n in range(9))
     (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n" + bits + "0.004000,0,0\n0.004010,1,0\n0.004020,1,1\n")
-    report = periph_sim("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER, "--json").told
-    said = "SCL and SDA: 1 span was not recorded, 0.001000000 s in all"
-    assert any(note.startswith(said) for note in report["notes"])
+    report = periph_sim("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER, "--json").json_object
+    message = "SCL and SDA: 1 span was not recorded, 0.001000000 s in all"
+    assert any(note.startswith(message) for note in report["notes"])
 
 
-def test_the_verdict_line_says_what_it_proves_and_of_how_much(periph_sim: Run):
+def test_the_verdict_line_states_its_scope(periph_sim: Run):
     def line(*arguments: str) -> tuple[object, str]:
         status, out, _ = periph_sim("replay", *arguments)
         return status, out.splitlines()[0].partition(".sr: ")[2]
@@ -210,7 +212,7 @@ def test_ambiguous_frames_are_no_failure_unless_strict(periph_sim: Run, tmp_path
     assert periph_sim(*arguments, "--strict")[0] == 1
 
 
-def test_an_i2c_trace_against_a_firmware(periph_sim: Run):
+def test_an_i2c_trace_is_replayed_against_firmware(periph_sim: Run):
     status, out, err = periph_sim("replay", IMU_ROUND, "--case", RESPONDER)
     assert (status, err) == (0, "")
     assert "PASS" in out and "63 of 63" in out and re.search(r"answered by the firmware +address 68\n", out)
@@ -218,7 +220,7 @@ def test_an_i2c_trace_against_a_firmware(periph_sim: Run):
     assert re.search(r"^assumes \d+ undocumented behaviours \(-v lists them\)$", out, re.MULTILINE)
 
 
-def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(periph_sim: Run):
+def test_channels_address_and_number_of_transfers_can_be_given(periph_sim: Run):
     arguments = ("--map", "scl=0,sda=1", "--address", "0x53", "--first", "2", "--longest-low", "2 us", "--json")
     status, report = periph_sim.json("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
     assert status == 0 and report["addresses"] == ["53"] and (report["events"], report["nacks"]) == (42, 2)
@@ -226,7 +228,7 @@ def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(periph_
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (
             ["--map", "scl=SDA,sda=SCL"],
@@ -241,11 +243,11 @@ def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(periph_
         (["--set", "unit.dsp.settings.style=guess"], "unit.dsp.settings.style"),
     ],
 )
-def test_bad_input_for_i2c_is_one_sentence_and_exit_status_2(periph_sim: Run, arguments, said):
-    assert said in periph_sim.refused("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
+def test_bad_input_for_i2c_is_one_error_message_with_exit_status_2(periph_sim: Run, arguments, message):
+    assert message in periph_sim.refused("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
 
 
-# Ways of replaying ---------------------------------------------------------------------
+# Roles and loops ---------------------------------------------------------------------
 
 WRONG = ("--set", "unit.dsp.settings.replies=['e4']")
 NACK, SESSION = str(TRACES / "nack.sr"), str(TRACES / "imu_session.sr")
@@ -261,13 +263,13 @@ IMU, MASTER = str(CASES / "imu_hil_published.toml"), str(CASES / "captured_maste
         (["--case", MASTER, "--as", "master"], "closed", "master"),
     ],
 )
-def test_the_same_trace_in_each_way(periph_sim: Run, arguments, loop, role):
+def test_a_trace_agrees_in_each_role_and_loop(periph_sim: Run, arguments, loop, role):
     status, report = periph_sim.json("replay", IMU_ROUND, *arguments)
     assert (status, report["loop"], report["role"], report["agreed"]) == (0, loop, role, 63)
 
 
 @pytest.mark.parametrize("loop", ["closed", "open"])
-def test_a_divergence_is_told_with_what_the_chip_did_and_drawn(periph_sim: Run, tmp_path, loop):
+def test_a_divergence_is_reported_with_the_chip_events_and_a_picture(periph_sim: Run, tmp_path, loop):
     svg = tmp_path / "wrong.svg"
     status, out, err = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(svg))
     assert (status, err) == (1, "") and "first wrong byte" in out and "expected data read E5 at 0.001015 s" in out
@@ -277,12 +279,12 @@ def test_a_divergence_is_told_with_what_the_chip_did_and_drawn(periph_sim: Run, 
     assert svg.read_text().startswith("<?xml") and "data read E4" in svg.read_text()
     periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(tmp_path))
     assert (tmp_path / "divergence.svg").read_text() == svg.read_text()
-    report = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json").told
+    report = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json").json_object
     (divergence,) = report["divergences"]
     assert divergence["kind"] == "byte" and {"at_s", "what", "value"} == set(divergence["history"][0])
 
 
-def test_a_picture_of_nothing_is_not_written(periph_sim: Run, tmp_path):
+def test_without_a_divergence_no_picture_is_written(periph_sim: Run, tmp_path):
     svg = tmp_path / "none.svg"
     status, _, err = periph_sim("replay", NACK, "--case", RESPONDER, "--svg", str(svg))
     assert status == 0 and not svg.exists() and "not written, since there is no divergence to draw" in err
@@ -311,27 +313,27 @@ def test_a_tolerance_makes_a_difference_in_time_a_failure(periph_sim: Run, tmp_p
     )
 
 
-def test_a_session_of_one_file_and_of_two(periph_sim: Run, tmp_path):
+def test_a_session_from_two_files_equals_that_from_one(periph_sim: Run, tmp_path):
     low = ("--longest-low", "5 us", "--baud", "115200")
     status, out, _ = periph_sim("replay", SESSION, "--case", IMU, *low)
     assert status == 0 and "189 of 189" in out and "data age" in out and "23.933 ms" in out
-    assert "note:" not in out  # rounds are read off the bus
-    one = periph_sim("replay", SESSION, "--case", IMU, *low, "--json").told
+    assert "note:" not in out  # rounds are recognized from the bus
+    one = periph_sim("replay", SESSION, "--case", IMU, *low, "--json").json_object
     lines = ("--map", "scl=SCL,sda=SDA", "--uart-file", f"{SESSION},rx=RX", "--json")
-    two = periph_sim("replay", SESSION, "--case", IMU, *low, *lines).told
+    two = periph_sim("replay", SESSION, "--case", IMU, *low, *lines).json_object
     assert two["budgets"] == one["budgets"] and two["kind"] == one["kind"] == "session"
-    early = periph_sim("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms").told
+    early = periph_sim("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms").json_object
     ages = [next(v["worst"] for v in found["budgets"] if v["measure"] == "age") for found in (two, early)]
     assert ages[1] - ages[0] == pytest.approx(1000, abs=2)
 
 
 def test_without_sci_in_the_case_a_session_is_its_i2c_capture(periph_sim: Run):
-    report = periph_sim("replay", SESSION, "--case", RESPONDER, "--json").told
+    report = periph_sim("replay", SESSION, "--case", RESPONDER, "--json").json_object
     assert report["kind"] == "i2c"
 
 
 def test_a_master_that_does_not_return_fails_after_the_patience_given(periph_sim: Run, tmp_path):
-    """main computes for ever behind the last STOP; the script's one pause is 92 us."""
+    """main computes for ever after the last STOP; the only pause in the script is 92 us."""
     case = endless_case(tmp_path, "while True: dsp.compute(1000)")
     status, out, _ = periph_sim("replay", NACK, "--case", str(case), "--as", "master", "--patience", "30 ms")
     assert status == 1 and "19 of 19" in out
@@ -339,7 +341,7 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(periph_sim
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         ([IMU_ROUND, "--loop", "half"], "'half' is not one of"),
         ([IMU_ROUND, "--tolerance", "3"], "--tolerance: '3' has no unit"),
@@ -361,11 +363,11 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(periph_sim
         ([IMU_ROUND, "--frame", "8n1"], "--frame is for UART captures"),
     ],
 )
-def test_ways_that_do_not_go_together_are_one_sentence_and_exit_status_2(periph_sim: Run, arguments, said):
-    assert said in periph_sim.refused("replay", "--case", IMU, *arguments)
+def test_contradictory_options_are_one_error_message_with_exit_status_2(periph_sim: Run, arguments, message):
+    assert message in periph_sim.refused("replay", "--case", IMU, *arguments)
 
 
-def test_a_page_is_written_with_both_sides_of_the_first_divergence(periph_sim: Run, tmp_path):
+def test_the_page_shows_both_sides_of_the_first_divergence(periph_sim: Run, tmp_path):
     html = tmp_path / "wrong.html"
     status, _, err = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--html", str(html))
     assert (status, err) == (1, "")

@@ -1,4 +1,4 @@
-"""`periph-sim serve`: a case as a serial port of this computer, from the first line to what it came to."""
+"""`periph-sim serve`: a case as a serial port of this computer, up to its final verdict."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def serve(*arguments: str) -> subprocess.Popen[str]:
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
+def test_a_script_uses_the_port_until_ctrl_c(tmp_path: Path) -> None:
     link, log = tmp_path / "dsp", tmp_path / "live.jsonl"
     served = serve(str(written(tmp_path)), "--pty", str(link), "--log", str(log), "--warm-up", "5 ms")
     assert served.stdout is not None
@@ -41,9 +41,9 @@ def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
             port.write(data)
             assert port.read(len(data)) == answer
     served.send_signal(signal.SIGINT)
-    said, mistakes = served.communicate(timeout=60)
+    message, mistakes = served.communicate(timeout=60)
     assert served.returncode == 0, mistakes
-    assert "echo: NOT JUDGED" in said and "8 SCI bytes" in said and "lateness: 99 % of " in said
+    assert "echo: NOT JUDGED" in message and "8 SCI bytes" in message and "lateness: 99 % of " in message
     assert not link.is_symlink()
     end = json.loads(log.read_text().splitlines()[-1])
     assert end["end"] > 0
@@ -51,7 +51,7 @@ def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
 
 @pytest.mark.posix("pseudo-terminals")
 def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
-    ours, port = os.openpty()  # as a cable to another computer
+    ours, port = os.openpty()  # in place of a cable to another computer
     served = serve(str(written(tmp_path)), "--port", os.ttyname(port), "--json")
     assert served.stderr is not None
     assert served.stderr.readline().strip() == os.ttyname(port)
@@ -62,9 +62,9 @@ def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
         got += os.read(ours, 100)
     assert got == b"ifmmp"
     served.send_signal(signal.SIGINT)
-    said, _ = served.communicate(timeout=60)
-    told = json.loads(said)
-    assert told["verdict"] == "not judged" and set(told["lateness"]) == {"worst_s", "p99_s", "late", "slips"}
+    message, _ = served.communicate(timeout=60)
+    report = json.loads(message)
+    assert report["verdict"] == "not judged" and set(report["lateness"]) == {"worst_s", "p99_s", "late", "slips"}
 
 
 @pytest.mark.posix("pseudo-terminals")
@@ -82,12 +82,12 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
     assert driver.regwr(0x50, 4, [1, 2]) and driver.regrd(0x50, 2, 4) == b"\x33\x44\x01\x02"
     driver.ser.close()
     served.send_signal(signal.SIGINT)
-    said, mistakes = served.communicate(timeout=60)
-    told = json.loads(said)
+    message, mistakes = served.communicate(timeout=60)
+    report = json.loads(message)
     assert served.returncode == 1 and not link.is_symlink(), mistakes
-    assert told["verdict"] == "fail" and told["wire_bytes"] >= 112 + 4 + 7
-    verdicts = [(one["name"], one["verdict"]) for one in told["budgets"]]
-    assert verdicts == [("all rounds", "fail"), ("work", "pass")]  # the program does not ask every millisecond
+    assert report["verdict"] == "fail" and report["wire_bytes"] >= 112 + 4 + 7
+    verdicts = [(one["name"], one["verdict"]) for one in report["budgets"]]
+    assert verdicts == [("all rounds", "fail"), ("work", "pass")]  # the program does not start a round each ms
 
 
 @pytest.mark.parametrize(
@@ -113,28 +113,30 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
         (("--rfc2217", "0", "--browser", "--pace", "0", "--for", "10 ms"), 0, ""),
     ],
 )
-def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_path: Path, periph_sim: Run) -> None:
+def test_wrong_options_are_one_error_message(
+    more: tuple[str, ...], status: int, sentence: str, tmp_path: Path, periph_sim: Run
+) -> None:
     taken = tmp_path / "taken"
     taken.touch()
-    came = periph_sim("serve", str(written(tmp_path)), *(part.format(taken=taken) for part in more))
-    assert came.status == status, came.err
-    assert sentence in came.err.replace("\n", " ") and "Traceback" not in came.err
+    outcome = periph_sim("serve", str(written(tmp_path)), *(part.format(taken=taken) for part in more))
+    assert outcome.status == status, outcome.err
+    assert sentence in outcome.err.replace("\n", " ") and "Traceback" not in outcome.err
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_the_host_of_a_case_gives_way_with_its_budgets() -> None:
+def test_the_host_of_a_case_is_replaced_and_its_budgets_are_omitted() -> None:
     case = Path(__file__).parents[3] / "timing" / "imu_hil.toml"
-    said, mistakes = serve(str(case), "--pty", "--pace", "0", "--for", "30 ms").communicate(timeout=60)
+    message, mistakes = serve(str(case), "--pty", "--pace", "0", "--for", "30 ms").communicate(timeout=60)
     replaced = "RX is driven from outside, in place of [host]; left out, since nothing else can judge them:"
     assert f"{replaced} 'wrong bytes', 'data age'" in mistakes
-    assert replaced in said.replace("\n", " ") and " wrong bytes  " not in said
+    assert replaced in message.replace("\n", " ") and " wrong bytes  " not in message
 
 
-def test_why_simulated_time_fell_behind_is_told() -> None:
+def test_the_reason_for_slow_simulated_time_is_printed() -> None:
     result = SimpleNamespace(wall_s=3.0, simulated_s=1.5)
     case = SimpleNamespace(unit={"dsp": SimpleNamespace(image=None)})
-    said = "a simulated second takes 2.0 s of this computer's time"
-    assert _slower(case, result) == f"{said}; it keeps --pace 0.4"
+    message = "a simulated second takes 2.0 s of this computer's time"
+    assert _slower(case, result) == f"{message}; it keeps --pace 0.4"
     case.unit["dsp"].image = "firmware.out"
     why = "dsp runs an image, instruction by instruction, its polls included"
-    assert _slower(case, result) == f"{said}: {why}; it keeps --pace 0.4"
+    assert _slower(case, result) == f"{message}: {why}; it keeps --pace 0.4"

@@ -1,4 +1,4 @@
-"""`periph-sim terminal`: typed to on a pseudo-terminal, from the first line to the verdict; and what it refuses."""
+"""`periph-sim terminal` on a pseudo-terminal, from the first line to the verdict, and rejected options."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from tests.outside.live.echo import written
 pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 
-class Typed:
-    """The command on a pseudo-terminal. file: the user's end of it."""
+class TerminalSession:
+    """The command on a pseudo-terminal, whose user's end is `file`."""
 
     def __init__(self, case: Path, *options: str) -> None:
         self.file, its = os.openpty()
         command = [sys.executable, "-m", "periph_sim", "terminal", str(case), *options]
         self._process = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
         os.close(its)
-        self._output = ""  # what was read, and is behind the last text for which `until` waited
+        self._output = ""  # text read after that for which `until` waited last
 
     def until(self, end: str) -> str:
         """Wait until the further output contains this text, and return the output up to it."""
@@ -39,9 +39,9 @@ class Typed:
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
+def test_the_sci_answers_typed_characters(tmp_path: Path) -> None:
     log = tmp_path / "live.jsonl"
-    typed = Typed(written(tmp_path), "--log", str(log))
+    typed = TerminalSession(written(tmp_path), "--log", str(log))
     assert "scia of " in typed.until("115200 8n1; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
     for key, answer in ((b"a", "b"), (b"x", "y")):
         os.write(typed.file, key)
@@ -54,10 +54,10 @@ def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_a_session_that_ends_by_itself_says_so_and_why(tmp_path: Path) -> None:
+def test_a_session_that_ends_with_an_error_shows_it(tmp_path: Path) -> None:
     case = written(tmp_path)
     (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
-    typed = Typed(case)
+    typed = TerminalSession(case)
     typed.until("the session has ended; press a key")
     os.write(typed.file, b"a")
     typed.until("ZeroDivisionError")
@@ -72,6 +72,8 @@ def test_a_session_that_ends_by_itself_says_so_and_why(tmp_path: Path) -> None:
         (("--pace", "x"), "--pace 'x': expected a number"),
     ],
 )
-def test_what_it_refuses(periph_sim: Run, tmp_path: Path, more: tuple[str, ...], sentence: str) -> None:
+def test_wrong_options_are_one_error_message(
+    periph_sim: Run, tmp_path: Path, more: tuple[str, ...], sentence: str
+) -> None:
     case = written(tmp_path)
     assert sentence.format(case=case) in periph_sim.refused("terminal", str(case), *more)

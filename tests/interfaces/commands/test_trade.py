@@ -1,4 +1,4 @@
-"""`periph-sim trade`: one screen, JSON, and what is said of mistakes."""
+"""`periph-sim trade`: one screen, JSON and error messages."""
 
 from __future__ import annotations
 
@@ -17,45 +17,45 @@ def test_a_trade_is_one_screen_and_its_last_line_recommends_a_row(periph_sim: Ru
     out = periph_sim.passes("trade", str(TIMING / "imu_hil_published.toml"), "--seconds", "0.05")
     lines = out.splitlines()
     assert len(lines) <= 24 and max(map(len, lines)) <= 80
-    said = " ".join(out.split())
-    assert said.startswith("imu_hil_published: 50 ms, n-th occurrence and value against n-th of as given; ")
-    assert "runs of 25 ms after the first 25 ms" in said
+    text = " ".join(out.split())
+    assert text.startswith("imu_hil_published: 50 ms, n-th occurrence and value against n-th of as given; ")
+    assert "runs of 25 ms after the first 25 ms" in text
     rows = ["as given", "record .psr", "record .vcd"]
     assert [line.strip()[: len(row)] for row, line in zip(rows, lines[6:], strict=False)] == rows
-    assert " recommended: " in said and said.index(" recommended: ") > said.rindex(" record .vcd ")
+    assert " recommended: " in text and text.index(" recommended: ") > text.rindex(" record .vcd ")
 
 
-def test_one_json_object_with_every_row(periph_sim: Run):
-    told = periph_sim(*QUICK, "--json").told
-    assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]
-    assert told["rows"][1]["time_error"] == {"amount": 0.0, "unit": "s", "place": ""}
-    assert all(row["cost"]["cpu_s"] > 0 and row["cost"]["runs"] >= 5 for row in told["rows"])
-    assert told["recommended"] == "as given" and (told["start_s"], told["timed_s"]) == (0.01, 0.01)
+def test_json_is_one_object_with_every_row(periph_sim: Run):
+    report = periph_sim(*QUICK, "--json").json_object
+    assert [row["name"] for row in report["rows"]] == ["as given", "record .psr"]
+    assert report["rows"][1]["time_error"] == {"amount": 0.0, "unit": "s", "place": ""}
+    assert all(row["cost"]["cpu_s"] > 0 and row["cost"]["runs"] >= 5 for row in report["rows"])
+    assert report["recommended"] == "as given" and (report["start_s"], report["timed_s"]) == (0.01, 0.01)
 
 
 def test_a_table_is_a_row_of_a_case_that_has_one(periph_sim: Run):
     slave = str(TIMING / "variants" / "image_register_slave.toml")
     budget = 'budget=[{name="reaction", measure="reaction", max="1 us", coverage="40 %"}]'
     arguments = ("--row", "table", "--seconds", "0.02", "--json")
-    told = periph_sim("trade", slave, "--set", budget, *arguments).told
-    assert (told["table"]["budgets"], told["table"]["error"]["amount"], told["refused"]) == (["reaction"], 0, {})
-    told = periph_sim("trade", slave, *arguments).told
-    assert told["table"] is None and told["refused"]["table"].startswith("no budget has values: wrong bytes: ")
-    told = periph_sim("trade", RESPONDER, *arguments).told
-    assert told["table"] is None and told["refused"]["table"].startswith("unit dsp runs no image")
-    assert periph_sim(*QUICK, "--json").told["refused"] == {}
+    report = periph_sim("trade", slave, "--set", budget, *arguments).json_object
+    assert (report["table"]["budgets"], report["table"]["error"]["amount"], report["refused"]) == (["reaction"], 0, {})
+    report = periph_sim("trade", slave, *arguments).json_object
+    assert report["table"] is None and report["refused"]["table"].startswith("no budget has values: wrong bytes: ")
+    report = periph_sim("trade", RESPONDER, *arguments).json_object
+    assert report["table"] is None and report["refused"]["table"].startswith("unit dsp runs no image")
+    assert periph_sim(*QUICK, "--json").json_object["refused"] == {}
 
 
 def test_rows_may_be_named_by_the_old_option(periph_sim: Run):
-    told = periph_sim("trade", RESPONDER, "--seconds", "0.02", "--level", "record .psr", "--json").told
-    assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]
+    report = periph_sim("trade", RESPONDER, "--seconds", "0.02", "--level", "record .psr", "--json").json_object
+    assert [row["name"] for row in report["rows"]] == ["as given", "record .psr"]
 
 
-def test_a_row_that_is_off_by_more_than_allowed_is_not_recommended(periph_sim: Run):
+def test_a_row_with_too_large_an_error_is_not_recommended(periph_sim: Run):
     published, image = (str(TIMING / f"imu_hil_{name}.toml") for name in ("published", "image"))
     row = ("--row", "Python of imu_hil_published", "--seconds", "0.04", "--json")
-    came = periph_sim("trade", image, "--firmware", published, "--max-error", "1 us", *row).told
-    assert came["rows"][1]["time_error"]["amount"] > 1e-6 and came["recommended"] == "as given"
+    result = periph_sim("trade", image, "--firmware", published, "--max-error", "1 us", *row).json_object
+    assert result["rows"][1]["time_error"]["amount"] > 1e-6 and result["recommended"] == "as given"
 
 
 @pytest.mark.parametrize(
@@ -71,5 +71,7 @@ def test_a_row_that_is_off_by_more_than_allowed_is_not_recommended(periph_sim: R
         (("nowhere.toml",), "nowhere.toml"),
     ],
 )
-def test_mistakes_are_one_sentence_and_status_2(periph_sim: Run, desk: Path, arguments: tuple[str, ...], message: str):
+def test_bad_input_is_one_error_message_with_status_2(
+    periph_sim: Run, desk: Path, arguments: tuple[str, ...], message: str
+):
     assert message in periph_sim.refused("trade", *arguments)

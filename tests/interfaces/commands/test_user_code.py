@@ -1,4 +1,4 @@
-"""Firmware and devices that exit or print: no exit is taken for a verdict, and standard output is the command's own."""
+"""Firmware and devices that exit or print: an exit is never a verdict, and prints do not reach standard output."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ SAYS = "user code cannot end the command; return, or raise an error, instead of 
 
 
 def case_of(folder: Path, name: str = "small", firmware: str = "", device: str = "", code: str = "sys.exit(0)") -> Path:
-    """A case whose firmware, or device, executes `code` at this place."""
+    """Write a case whose firmware or device executes `code` at this place."""
     texts = []
     for text, place in ((FIRMWARE, firmware), (DEVICE, device)):
         if place:
@@ -75,7 +75,7 @@ def line_of(text: str, place: str) -> int:
     return next(number for number, line in enumerate(text.splitlines(), 1) if line.endswith(f"# {place}"))
 
 
-def test_the_case_passes_as_it_is(periph_sim: Run, tmp_path: Path):
+def test_the_case_passes_unchanged(periph_sim: Run, tmp_path: Path):
     periph_sim.passes("run", str(case_of(tmp_path)))
 
 
@@ -90,11 +90,11 @@ def test_an_exit_is_an_error_with_its_line(
     periph_sim: Run, tmp_path: Path, where: dict[str, str], text: str, file: str
 ):
     (place,) = where.values()
-    said = periph_sim.refused("run", str(case_of(tmp_path, **where)))
-    assert f"line {line_of(text, place)} of {file}" in said and SAYS in said
+    message = periph_sim.refused("run", str(case_of(tmp_path, **where)))
+    assert f"line {line_of(text, place)} of {file}" in message and SAYS in message
 
 
-def test_an_exit_as_the_scene_is_deleted_is_no_verdict(periph_sim: Run, tmp_path: Path):
+def test_an_exit_while_the_scene_is_deleted_changes_no_verdict(periph_sim: Run, tmp_path: Path):
     waits = "try: dsp.spin(lambda: False)\n    finally: sys.exit(1)"
     assert "small: PASS" in periph_sim.passes("run", str(case_of(tmp_path, firmware="end of main", code=waits)))
 
@@ -109,25 +109,25 @@ def test_no_command_takes_an_exit_for_a_verdict(
     periph_sim: Run, tmp_path: Path, arguments: list[str], where: dict[str, str]
 ):
     command, *options = arguments
-    came = periph_sim(command, str(case_of(tmp_path, **where)), *options)
-    assert came.status == 2 and SAYS in " ".join((came.out + came.err).split())
+    result = periph_sim(command, str(case_of(tmp_path, **where)), *options)
+    assert result.status == 2 and SAYS in " ".join((result.out + result.err).split())
 
 
-def test_check_runs_the_cases_behind_one_whose_firmware_exits(periph_sim: Run, tmp_path: Path):
+def test_check_runs_the_cases_after_one_whose_firmware_exits(periph_sim: Run, tmp_path: Path):
     first, second = case_of(tmp_path, "first", firmware="main"), case_of(tmp_path, "second")
     junit = tmp_path / "results.xml"
-    came = periph_sim("check", str(first), str(second), "--jobs", "1", "--junit", str(junit))
-    assert came.status == 2
+    result = periph_sim("check", str(first), str(second), "--jobs", "1", "--junit", str(junit))
+    assert result.status == 2
     text = junit.read_text("utf-8")
     assert 'name="first"' in text and 'name="second"' in text and SAYS in text
 
 
-def test_a_sweep_keeps_the_rows_beside_one_whose_firmware_exits(periph_sim: Run, tmp_path: Path):
+def test_a_sweep_keeps_the_other_rows_if_firmware_exits(periph_sim: Run, tmp_path: Path):
     code = "sys.exit(0) if settings.number == 2 else None"
     case = case_of(tmp_path, firmware="main", code=code)
-    came = periph_sim("sweep", str(case), "--jobs", "1", "--vary", "unit.dsp.settings.number=1, 2, 3", "--json")
-    runs = came.told["runs"]
-    assert came.status == 2 and [one["verdict"] for one in runs] == ["pass", "error", "pass"]
+    result = periph_sim("sweep", str(case), "--jobs", "1", "--vary", "unit.dsp.settings.number=1, 2, 3", "--json")
+    runs = result.json_object["runs"]
+    assert result.status == 2 and [one["verdict"] for one in runs] == ["pass", "error", "pass"]
     assert runs[1]["error"].endswith(SAYS)
 
 
@@ -143,36 +143,36 @@ def test_the_text_of_an_exception_is_one_printable_line(periph_sim: Run, tmp_pat
 
 @pytest.mark.parametrize("error", ["KeyboardInterrupt", "SystemExit", "GeneratorExit", "BaseException"])
 def test_no_exception_of_firmware_is_a_pass(periph_sim: Run, tmp_path: Path, error: str):
-    came = periph_sim("run", str(case_of(tmp_path, firmware="main", code=f"raise {error}")))
-    assert (came.status, came.out) == (2, "")
+    result = periph_sim("run", str(case_of(tmp_path, firmware="main", code=f"raise {error}")))
+    assert (result.status, result.out) == (2, "")
 
 
 @pytest.mark.parametrize("options", [[], ["--json"], ["--explain"]], ids=["table", "json", "explain"])
 @pytest.mark.parametrize("place", FIRMWARE_PLACES)
 def test_prints_appear_once_and_not_on_standard_output(periph_sim: Run, tmp_path: Path, options: list[str], place: str):
-    """An explanation runs the case once more; the interrupt of this case comes once a run."""
-    came = periph_sim("run", str(case_of(tmp_path, firmware=place, code="print('hello')")), *options)
-    assert came.status == 0 and "hello" not in came.out
-    assert len(set(came.err.splitlines())) == 1
+    """An explanation runs the case a second time; the interrupt occurs once in a run."""
+    result = periph_sim("run", str(case_of(tmp_path, firmware=place, code="print('hello')")), *options)
+    assert result.status == 0 and "hello" not in result.out
+    assert len(set(result.err.splitlines())) == 1
     if place != "interrupt":
-        assert came.err == "hello\n"
+        assert result.err == "hello\n"
     if options == ["--json"]:
-        assert came.told["verdict"] == "pass"
+        assert result.json_object["verdict"] == "pass"
 
 
 def test_firmware_may_use_standard_output_in_a_with_statement(periph_sim: Run, tmp_path: Path):
     code = "with sys.stdout as out: out.write('hel')\n    print('lo')"
-    came = periph_sim("run", str(case_of(tmp_path, firmware="main", code=code)))
-    assert (came.status, came.err) == (0, "hello\n") and "hello" not in came.out
+    result = periph_sim("run", str(case_of(tmp_path, firmware="main", code=code)))
+    assert (result.status, result.err) == (0, "hello\n") and "hello" not in result.out
 
 
 def test_prints_of_a_check_appear_once(periph_sim: Run, tmp_path: Path):
     case = case_of(tmp_path, firmware="main", code="print('hello')")
-    came = periph_sim("check", str(case), "--jobs", "1", "--json", "--html", str(tmp_path / "page.html"))
-    assert came.err == "hello\n" and came.told["cases"]
+    result = periph_sim("check", str(case), "--jobs", "1", "--json", "--html", str(tmp_path / "page.html"))
+    assert result.err == "hello\n" and result.json_object["cases"]
 
 
-def test_what_firmware_prints_as_its_scene_is_deleted_comes_once(periph_sim: Run, tmp_path: Path):
+def test_prints_while_the_scene_is_deleted_appear_once(periph_sim: Run, tmp_path: Path):
     waits = "try: dsp.spin(lambda: False)\n    finally: print('hello')"
-    came = periph_sim("run", str(case_of(tmp_path, firmware="end of main", code=waits)), "--json")
-    assert came.err == "hello\n" and came.told["verdict"] == "pass"
+    result = periph_sim("run", str(case_of(tmp_path, firmware="end of main", code=waits)), "--json")
+    assert result.err == "hello\n" and result.json_object["verdict"] == "pass"

@@ -1,6 +1,6 @@
-"""Every command that prints a table, at 80 columns: no line is longer, and no word is lost.
+"""Every command that prints a table, at 80 columns: no line is longer, and no text is cut off.
 
-Sentences that tell one finding stay whole, so that `grep` finds them; a terminal breaks them. `SENTENCES` names these.
+A line that states one finding is not wrapped, so that `grep` finds it. `SENTENCES` lists these kinds of line.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ SENTENCES = {
     r"\w+: PASS, .*; cycles between accesses of \w+ are estimated": "the verdict of C sources",
     r"at the end: ": "where an image is, and what it waits for",
     r"stuck: ": "what hangs, since when and why",
-    r"note: (?!polls of|reads: |A read that)": "a note of this run or capture; those that explain a table are broken",
+    r"note: (?!polls of|reads: |A read that)": "a note of this run or capture; those that explain a table are wrapped",
     r"\S+ at [\d.]+ ms: .* before": "the answer of `why`",
-    r"\S+: I2C limits of mode ": "the title of `compliance`, behind the capture's path",
+    r"\S+: I2C limits of mode ": "the title of `compliance`, after the capture's path",
     r"first difference: |  .* at [AB] [\d.]+ s": "events that differ, of `diff`",
-    r"first wrong: ": "the bytes that came and those that were expected",
+    r"first wrong: ": "the received and the expected bytes",
     r"[\w .]+: .* is (over|under) its limit of ": "a broken budget with its instant",
     r"(dsp|unit) \S+: .* \[.*\]$": "a finding of a lint, in the form of a compiler's messages",
     r"DIFFERENT: |EQUAL: |UNDECIDABLE at ": "the verdict of diff and compliance",
     r"[\w .]+: '.*' still waited for .* when the run ended": "a budget that was not judged to the end, with its events",
     r"[\w ]+: .* \(max .*\); ": "the parts of a budget of several measures",
-    r"\S+, \S+: (PASS|FAIL)": "the verdict of a replay, behind the capture's path",
+    r"\S+, \S+: (PASS|FAIL)": "the verdict of a replay, after the capture's path",
     r"[\d.]+  S .* P$": "a transfer of `decode --transfers` is one line, however long",
 }
 
 PRINTS_NO_TABLE = {
     "assemble": "a line of the file written",
     "convert": "a line that names the file written",
-    "host-unit": "how many frames went out, and how late",
-    "new": "a line a file, and what to do next",
+    "host-unit": "the number of frames sent and their lateness",
+    "new": "a line for each file, and the next steps",
     "schema": "JSON",
     "terminal": "what is typed and answered, then what `run` prints",
     "watch": "what `run` prints, again and again",
@@ -112,13 +112,13 @@ COMMANDS = [
 ]
 
 
-def test_every_command_is_measured_or_prints_no_table():
+def test_every_command_is_tested_or_prints_no_table():
     assert {command[0] for command in COMMANDS} | set(PRINTS_NO_TABLE) == set(cli.list_commands(click.Context(cli)))
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where `run.psr` and `rest.csv` are left for the commands that read them; `own.out` and `echo.toml` are there."""
+    """A folder with `own.out` and `echo.toml`, in which `run.psr` and `rest.csv` are created when they are needed."""
     folder = tmp_path_factory.mktemp("width")
     (folder / "own.out").write_bytes(write(image()))
     (folder / "echo.out").write_bytes(assemble_file(ROOT / "firmware" / "c28x" / "sci_echo.asm")[1])
@@ -128,25 +128,25 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def made(periph_sim: Run, wanted: tuple[str, ...]) -> None:
+def make_inputs(periph_sim: Run, wanted: tuple[str, ...]) -> None:
     for name, maker in (("run.psr", RECORDED), ("rest.csv", ("imu-table", "--samples", "4000", "--write", "rest.csv"))):
         if name in wanted and maker != wanted and not Path(name).exists():
             periph_sim(*maker)
 
 
-def identity(command: tuple[str, ...]) -> str:
+def command_id(command: tuple[str, ...]) -> str:
     return " ".join(part.removeprefix(f"{ROOT}/") for part in command)
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=identity)
-def test_lines_of_at_most_80_columns(
+@pytest.mark.parametrize("command", COMMANDS, ids=command_id)
+def test_no_line_is_longer_than_80_columns(
     periph_sim: Run, folder: Path, monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
 ):
     monkeypatch.chdir(folder)
-    made(periph_sim, command)
-    came = periph_sim(*command)
-    assert came.status in (0, 1) and came.out, came.err
-    told = [line.replace(f"{ROOT}/", "") for line in came.out.splitlines()]
-    long = [line for line in told if len(line) > 80]
+    make_inputs(periph_sim, command)
+    result = periph_sim(*command)
+    assert result.status in (0, 1) and result.out, result.err
+    report = [line.replace(f"{ROOT}/", "") for line in result.out.splitlines()]
+    long = [line for line in report if len(line) > 80]
     assert [line for line in long if not any(re.match(begin, line) for begin in SENTENCES)] == []
-    assert "…" not in came.out
+    assert "…" not in result.out

@@ -1,4 +1,4 @@
-"""Profile and coverage of a program of our own: where its time went, and which of its lines were executed."""
+"""Profile and line coverage of an assembled program: where its time was spent, and which lines were executed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from periph_sim.processor.image_files.assemble import assemble_file
 from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 
-# 1 ms at 7.5 MHz behind reset: 7500 cycles. _work has 104: RPT 1, NOP 99, LRETR 4, to an even
+# 1 ms at 7.5 MHz after reset is 7500 cycles. _work takes 104: RPT 1, NOP 99, LRETR 4, to an even
 # address.
 SOURCE = """\
 WDCR .set 0x7029
@@ -49,12 +49,12 @@ def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def profile(periph_sim: Run, *more: str) -> dict[str, dict[str, float]]:  # noqa: F811
-    came = periph_sim("profile", "own.toml", "--json", *more)
-    assert came.status == 0, came.err
-    return {one["function"]: one for one in json.loads(came.out)["units"]["dsp"]}
+    result = periph_sim("profile", "own.toml", "--json", *more)
+    assert result.status == 0, result.err
+    return {one["function"]: one for one in json.loads(result.out)["units"]["dsp"]}
 
 
-def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_sim: Run, case: Path):  # noqa: F811
+def test_time_is_counted_for_the_executing_function_and_waits_separately(periph_sim: Run, case: Path):  # noqa: F811
     found = profile(periph_sim)
     assert set(found) == {"_c_int00", "_work"}
     work, boot = found["_work"], found["_c_int00"]
@@ -64,11 +64,11 @@ def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_
     assert boot["self_s"] == pytest.approx(1e-3 - 10 * 104 / 7.5e6)
     assert work["waits_s"] == 0 and boot["waits_s"] > 0.8e-3
     assert (work["file"], work["line"], work["pc"]) == ("own.asm", 19, "0x009013")
-    came = periph_sim("profile", "own.toml")
-    assert "own.asm:19" in came.out and max(map(len, came.out.splitlines())) <= 80
+    result = periph_sim("profile", "own.toml")
+    assert "own.asm:19" in result.out and max(map(len, result.out.splitlines())) <= 80
 
 
-def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
+def test_stacks_are_written_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
     profile(periph_sim, "--speedscope", "own.json")
     made = json.loads(Path("own.json").read_text())
     names = [frame["name"] for frame in made["shared"]["frames"]]
@@ -85,15 +85,15 @@ def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
     assert (shown["type"], shown["unit"], shown["startValue"]) == ("sampled", "seconds", 0)
 
 
-def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # noqa: F811
+def test_lines_functions_and_branches_are_written_as_lcov(periph_sim: Run, case: Path):  # noqa: F811
     profile(periph_sim, "--lcov", "own.info")
-    told = Path("own.info").read_text().splitlines()
+    report = Path("own.info").read_text().splitlines()
     lines = {number: text.split()[0] for number, text in enumerate(SOURCE.splitlines(), 1) if text.startswith(" ")}
-    counts = dict(line[3:].split(",") for line in told if line.startswith("DA:"))
+    counts = dict(line[3:].split(",") for line in report if line.startswith("DA:"))
     assert counts["5"] == counts["11"] == "1"
     assert counts["12"] == counts["19"] == counts["20"] == "10"
     assert counts["21"] == counts["22"] == "0" and lines[22] == "LRETR"
-    functions = [line for line in told if line.startswith(("FN:", "FNDA:"))]
+    functions = [line for line in report if line.startswith(("FN:", "FNDA:"))]
     assert functions == [
         "FN:5,_c_int00",
         "FN:19,_work",
@@ -102,17 +102,17 @@ def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # n
         "FNDA:10,_work",
         "FNDA:0,_never",
     ]
-    branches = {tuple(line[5:].split(",")[::2]): line.split(",")[3] for line in told if line.startswith("BRDA:")}
+    branches = {tuple(line[5:].split(",")[::2]): line.split(",")[3] for line in report if line.startswith("BRDA:")}
     assert branches == {("13", "0"): "1", ("13", "1"): "9", ("15", "0"): "1", ("15", "1"): "0"}
-    assert told[:2] == ["TN:own", "SF:own.asm"] and told[-1] == "end_of_record"
-    assert "BRF:4" in told and "BRH:3" in told
+    assert report[:2] == ["TN:own", "SF:own.asm"] and report[-1] == "end_of_record"
+    assert "BRF:4" in report and "BRH:3" in report
 
 
 def test_a_unit_in_python_has_no_profile(periph_sim: Run, case: Path):  # noqa: F811
     case.write_text(CASE.replace('image = "own.out"', 'firmware = "responder"').replace('"GPIO"', '"I2C-A"'))
-    came = periph_sim("profile", "own.toml")
-    assert (came.status, came.out) == (2, "")
-    assert "no unit runs an image, and a profile is of images" in came.err and came.err.count("\n") == 1
+    result = periph_sim("profile", "own.toml")
+    assert (result.status, result.out) == (2, "")
+    assert "no unit runs an image, and a profile is of images" in result.err and result.err.count("\n") == 1
 
 
 def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Run, case: Path):  # noqa: F811
@@ -120,9 +120,9 @@ def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Ru
     from periph_sim.processor.image_files.coff2 import write
 
     Path("own.out").write_bytes(write(assemble(SOURCE)))
-    came = periph_sim("profile", "own.toml", "--lcov", "own.info")
-    assert (came.status, came.out) == (2, "")
-    assert "it tells no lines of its source" in came.err
+    result = periph_sim("profile", "own.toml", "--lcov", "own.info")
+    assert (result.status, result.out) == (2, "")
+    assert "it tells no lines of its source" in result.err
     assert not Path("own.info").exists()
 
 
@@ -141,12 +141,12 @@ pass: TBIT @0x6FC0,#4
 
 
 @pytest.mark.parametrize("more", [(), ("--lcov", "own.info")])
-def test_polls_that_are_skipped_are_waits_while_lines_are_counted_too(
+def test_skipped_polls_are_waits_with_and_without_line_counts(
     periph_sim: Run,  # noqa: F811
     case: Path,
     more: tuple[str, ...],
 ):
-    """All of 1 ms but for a few passes that are made before it sleeps, of 10 cycles each."""
+    """The wait takes 1 ms except for a few passes of 10 cycles each before polls are skipped."""
     Path("own.asm").write_text(POLLS)
     Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])
     found = profile(periph_sim, *more)["_wait"]
@@ -167,8 +167,8 @@ lock: TBIT @0x7011,#0
 """
 
 
-def test_a_wait_is_as_long_as_it_was_though_the_clock_is_another_one_behind_it(periph_sim: Run, case: Path):  # noqa: F811
-    """The PLL locks after 131072 cycles of 30 MHz, 4.369 ms; SYSCLKOUT is ten times as fast then."""
+def test_the_length_of_a_wait_is_correct_if_the_clock_changes_at_its_end(periph_sim: Run, case: Path):  # noqa: F811
+    """The PLL locks after 131072 cycles of 30 MHz, 4.369 ms; then SYSCLKOUT is ten times as fast."""
     Path("own.asm").write_text(LOCKS)
     Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])
     found = profile(periph_sim, "--seconds", "0.005")["_c_int00"]

@@ -21,22 +21,24 @@ LATE = settings_of(begin=9000, busy=420)
 
 
 def witnesses(periph_sim: Run, case: Path, folder: Path, only: str, changes: Sequence[str] = (), step: int = 1) -> None:
-    """Write the witnesses of a coverage, and compare what their runs show with what it has printed."""
+    """Write the witnesses of a coverage, and compare the results of their runs with those that prove printed."""
     folder.mkdir(exist_ok=True)
     sets = [word for change in changes for word in ("--set", change)]
     arguments = ["--phases", only, "--step", str(step), "--jobs", "1", "--witness", str(folder), "--json"]
-    came = periph_sim("prove", str(case), "--rounds", "3", *sets, *arguments)
-    said = json.loads(came.out)
-    judged = {name: one for name, one in said["budgets"].items() if one["verdict"] != "not judged"}
-    files = [Path(file) for file in said["written"]]
-    assert len({*files}) == len(files) == len(judged) > 0, came
+    result = periph_sim("prove", str(case), "--rounds", "3", *sets, *arguments)
+    message = json.loads(result.out)
+    judged = {name: one for name, one in message["budgets"].items() if one["verdict"] != "not judged"}
+    files = [Path(file) for file in message["written"]]
+    assert len({*files}) == len(files) == len(judged) > 0, result
     for file, (name, one) in zip(files, judged.items(), strict=True):
         shown = json.loads(periph_sim("run", str(file), "--json").out)
         (budget,) = (each for each in shown["budgets"] if each["name"] == name)
         assert (budget["worst"], budget["margin"], budget["limit"]) == (one["worst"], one["margin"], one["limit"])
 
 
-def test_python_firmware_in_a_file(periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_witnesses_of_python_firmware_run_from_any_folder(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The case, the witnesses and the current folder are in three different places, with relative paths."""
     (tmp_path / "cases").mkdir()
     listener(tmp_path / "cases")
@@ -55,7 +57,7 @@ def test_python_firmware_in_a_file(periph_sim: Run, tmp_path: Path, monkeypatch:
         ("imu_hil_image", "0 us to 0.03 us", []),
     ],
 )
-def test_firmware_of_the_package_and_an_image_whose_budgets_have_percentiles(
+def test_witnesses_of_package_firmware_and_of_an_image_with_percentiles(
     periph_sim: Run, tmp_path: Path, case: str, only: str, changes: list[str]
 ) -> None:
     witnesses(periph_sim, TIMING / f"{case}.toml", tmp_path, only, changes)
@@ -83,7 +85,7 @@ within = "100 us"
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc, which compiles C sources, is not installed")
-def test_c_sources_with_a_folder_of_headers(periph_sim: Run, tmp_path: Path) -> None:
+def test_witnesses_of_c_sources_with_a_folder_of_headers(periph_sim: Run, tmp_path: Path) -> None:
     shipped = Path(host_code.__file__).parent
     for file, folder in (("echo.c", "src"), ("device.h", "headers")):
         (tmp_path / folder).mkdir()
@@ -92,11 +94,11 @@ def test_c_sources_with_a_folder_of_headers(periph_sim: Run, tmp_path: Path) -> 
     witnesses(periph_sim, tmp_path / "echo.toml", tmp_path / "out", "0 us to 0.01 us")
 
 
-def test_sends_of_a_serial_protocol(periph_sim: Run, tmp_path: Path) -> None:
+def test_witnesses_of_sends_of_a_serial_protocol(periph_sim: Run, tmp_path: Path) -> None:
     witnesses(periph_sim, node(tmp_path), tmp_path / "out", "0.5 us to 0.6 us")
 
 
-def test_budgets_whose_names_are_alike_have_files_of_their_own(periph_sim: Run, tmp_path: Path) -> None:
+def test_budgets_with_similar_names_have_separate_files(periph_sim: Run, tmp_path: Path) -> None:
     case = listener(tmp_path)
     text = case.read_text(encoding="utf-8")
     for number, name in enumerate(("la te", "la_te", "ü", "ö")):
@@ -107,10 +109,10 @@ def test_budgets_whose_names_are_alike_have_files_of_their_own(periph_sim: Run, 
     witnesses(periph_sim, case, tmp_path / "out", "8 us to 8.1 us")
 
 
-def test_a_crystal_whose_tick_is_shorter_than_a_picosecond(periph_sim: Run, tmp_path: Path) -> None:
+def test_witnesses_with_a_tick_shorter_than_a_picosecond(periph_sim: Run, tmp_path: Path) -> None:
     changes = ["unit.dsp.oscclk=29.4912 MHz", *LATE]
     witnesses(periph_sim, listener(tmp_path), tmp_path / "out", "8 us to 8.5 us", changes)
 
 
-def test_the_seed_and_the_phases_are_those_of_the_worst_value() -> None:
+def test_a_worst_value_has_its_seed_and_phases() -> None:
     assert Worst.__struct_fields__ == ("verdict", "phases", "seed")

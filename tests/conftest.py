@@ -1,11 +1,11 @@
-"""What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline.
+"""Settings of all tests: differing timing diagrams are shown one above the other; properties have no deadline.
 
-`make test` runs each test once. `make coverage` counts lines in those that are neither `long` nor `uncounted`,
-interpreted. Properties, whole recordings and whole cases are `long`, and of a test with many parameters all but the
-first, besides what is marked so by hand: they go again and again through lines that short tests have reached.
-`uncounted` are tests that take seconds each when interpreted, and reach what others reach, too.
+`make test` runs each test once. `make coverage` counts lines of the interpreted core in tests that are neither `long`
+nor `uncounted`. `long` are properties, whole recordings, whole cases, all rows of a parametrized test except the first,
+and tests marked by hand: they execute lines that short tests execute, too. `uncounted` are tests that take seconds each
+when interpreted and execute lines that other tests execute.
 
-All of a session runs in one form of the core, commands that tests start included; its first line says which.
+A session runs in one form of the core, including the commands that tests start; its first line names the form.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from periph_sim import form
 from tests.waves import Diagram
 
 pytest_plugins = [
-    "pytester",  # runs the pytest plugin as a user's project would
+    "pytester",  # runs the pytest plugin as in a user's project
     "tests.headless_browser",
-    "tests.rules.outcomes",  # which rules of the manuals are proved
+    "tests.rules.outcomes",  # reports which rules of the manuals are proved
 ]
 
 if form.running == form.INTERPRETED:
-    os.environ[form.VARIABLE] = form.INTERPRETED  # so that no command tells of a build that is of other sources
+    os.environ[form.VARIABLE] = form.INTERPRETED  # so that no command reports a build of other sources
 
 ROOT = Path(__file__).parents[1]
 
@@ -41,8 +41,8 @@ ROOT = Path(__file__).parents[1]
 # depend on the tests that ran before in the same process.
 providers.is_local_module_file = lambda path: False
 
-# pytester forgets the modules that a session inside the process imported. Of ours, imported again by a later test, each
-# class would exist twice. numpy refuses to be imported again.
+# pytester removes the modules that were imported by a session inside the process. If a later test imported a module of
+# ours again, each of its classes would exist twice, and numpy cannot be imported again.
 KEPT = ("periph_sim.", "_firmware_shipped", "numpy")
 _restore_modules = SysModulesSnapshot.restore
 
@@ -55,14 +55,14 @@ def _restore_others(snapshot: SysModulesSnapshot) -> None:
 
 SysModulesSnapshot.restore = _restore_others
 
-# Seconds are no property: machines are shared. The same examples each time, so that a change is judged by what it
-# changed; `make explore` looks for new ones, and what it finds is kept as an @example.
+# Time is not tested, because machines are shared. Examples are the same each time, so that results depend on the
+# change only; `make explore` looks for new ones, and failures that it finds are kept as an @example.
 settings.register_profile("periph-sim", deadline=None, derandomize=True, max_examples=50)
 settings.register_profile("explore", deadline=None, max_examples=1000)
 settings.load_profile("periph-sim")
 
 
-# Files that need POSIX as they are imported, each with the reason; single tests elsewhere have the marker `posix`.
+# Files whose import needs POSIX, with the reasons; single tests in other files have the marker `posix`.
 NEED_POSIX = {
     "tests/docs/test_warm.py": "sockets of a Unix domain that pass on files",
     "tests/outside/drivers/test_i2c_dev.py": "fcntl.ioctl",
@@ -77,7 +77,7 @@ NEED_POSIX = {
     "tests/test_wheel.py": "a lock of fcntl",
 }
 
-# Whole cases run through everything; what they reach is reached by the tests of its parts.
+# Whole cases execute lines that the tests of the parts execute, too.
 WHOLE = (
     "tests/scene/test_cases.py",
     "tests/scene/test_copy_points.py",
@@ -101,7 +101,7 @@ WHOLE = (
 )
 
 
-# Ordinary tests, but scenes of tenths of a second, one after the other.
+# Tests with many scenes of tenths of a second.
 UNCOUNTED = (
     "tests/devices/test_host_pc.py",
     "tests/interfaces/commands/test_prove_questions.py",
@@ -120,7 +120,7 @@ UNCOUNTED = (
     "tests/timing/test_measuring_costs.py",
     "tests/timing/test_pairs.py",
     "tests/timing/test_rounds.py",
-    # The work is done in processes of their own, in which nothing counts lines, or by what is no part of the package.
+    # The work is done in other processes, whose lines are not counted, or outside of the package.
     "tests/bench/",
     "tests/docs/",
     "tests/firmware_mutants/",
@@ -132,29 +132,29 @@ UNCOUNTED = (
     "tests/mutants/",
     "tests/options/test_unrecorded.py",
     "tests/processor/test_stall_watch.py::test_a_stall_in_a_worker_process_is_stopped",
-    "tests/interfaces/pytest_plugin/test_collected.py::test_xdist_workers_tell_the_same_table",
+    "tests/interfaces/pytest_plugin/test_collected.py::test_xdist_workers_print_the_same_table",
     "tests/interfaces/pytest_plugin/test_start.py",
     "tests/interfaces/pytest_plugin/test_whole_session.py",
     "tests/scene/test_absent.py",
     "tests/test_supervisor.py",
     "tests/test_timeouts.py",
     "tests/test_touched.py",
-    # Sources of all modules are read once more, as in tests/form/test_declarations.py; or all forms of instructions run
-    # once more, as in tests/processor/c28x/execution/test_known_results.py.
+    # These read the sources of all modules once more, as tests/form/test_declarations.py does, or run all forms of
+    # instructions once more, as tests/processor/c28x/execution/test_known_results.py does.
     "tests/processor/c28x/execution/test_depends.py",
     "tests/form/test_c_checks.py::test_every_array_declaration_of_the_package_is_read",
     "tests/form/test_source_copy.py::test_every_free_list_of_the_package_is_inserted",
-    # Large inputs.
+    # These use large inputs.
     "tests/traces/formats/test_sigrok_sr.py::test_the_memory_needed_depends_on_the_edges_and_not_on_the_length",
     "tests/traces/formats/test_vcd.py::test_a_line_without_an_end_and_too_many_changes_are_rejected",
 )
 
 
-# A shell has what it starts in the background ignore Ctrl-C. Commands would inherit that, and tests end them by Ctrl-C.
+# A shell makes background processes ignore Ctrl-C. Commands would inherit that, but tests end them by Ctrl-C.
 if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-gc.disable()  # what is collected stays: to look through it for garbage only takes time, now and in each test
+gc.disable()  # collected tests stay, so garbage collections would examine them in vain
 
 
 @pytest.hookimpl(trylast=True)
@@ -215,10 +215,10 @@ def pytest_report_header() -> str:
 def pytest_assertrepr_compare(op: str, left: object, right: object) -> list[str] | None:
     if op != "==" or not (isinstance(left, Diagram) and isinstance(right, Diagram)):
         return None
-    lines = ["the timing diagram came out otherwise:"]
+    lines = ["the timing diagram differs from the expected one:"]
     for came, wanted in zip(left.splitlines(), right.splitlines(), strict=False):
-        lines.append(f"  came    {came}")
+        lines.append(f"  actual    {came}")
         if came != wanted:
-            lines.append(f"  wanted  {wanted}")
-            lines.append("          " + "".join(" ^"[a != b] for a, b in zip(came, wanted, strict=False)))
+            lines.append(f"  expected  {wanted}")
+            lines.append("            " + "".join(" ^"[a != b] for a, b in zip(came, wanted, strict=False)))
     return lines

@@ -1,4 +1,4 @@
-"""A case with a baseline and a coverage file, made once for all tests of this folder; each test has a copy."""
+"""A case with a baseline and a coverage file, built once for all tests of this folder; each test has a copy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def covered_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def covered(covered_once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The case file cases/small.toml, with a baseline and a coverage file; the current folder has nothing else."""
+    """Copy the case file cases/small.toml, its baseline and its coverage file to an otherwise empty current folder."""
     monkeypatch.chdir(tmp_path)
     shutil.copytree(covered_once, "cases")
     return Path("cases/small.toml")

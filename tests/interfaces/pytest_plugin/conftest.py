@@ -1,4 +1,4 @@
-"""The project that the plugin is tried in."""
+"""A project in which the plugin is tested."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""A user's project in a folder of its own: case files and tests that the plugin's tests run."""
+"""A user's project with case files and tests, which the tests of the plugin run."""
 
 from __future__ import annotations
 
-# What pytester's own process must have imported before it runs pytest within itself: it forgets what comes new,
+# Modules imported before pytester runs pytest in its own process: it unloads modules that were imported in that run,
 # and numpy cannot be imported twice.
 
-# Without slipcover, which would write down what `make coverage` has counted, and end, as a session within ours ends.
+# Without slipcover, which would write the counts of `make coverage` and stop when the inner session ends.
 BARE_INI = """
 [pytest]
 addopts = -p no:slipcover

@@ -1,4 +1,4 @@
-"""Case files as tests: which are collected, how they read, and what a broken or a bad one says."""
+"""Case files as tests: which files are collected, their output, and the reports for failing and invalid cases."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ max = "1 us"
             [],
             {"failed": 4},
             [FAULT] * 4,
-            id="a fault in the run is told by each of its tests",
+            id="an error of the run is reported by each of its tests",
         ),
         pytest.param(
             {"hangs.py": HANGS, "small.toml": HUNG},
@@ -98,7 +98,7 @@ max = "1 us"
             id="a budget that is to break must break",
         ),
         pytest.param(
-            # Nobody answers, so nothing was measured: that is no proof of the bug either.
+            # No device answers, so nothing was measured, which does not prove the bug either.
             {"small.toml": 'breaks = ["response"]\n' + SMALL.replace("address = 0x50", "address = 0x51")},
             ["-k", "response"],
             {"failed": 1, "deselected": 3},
@@ -131,10 +131,10 @@ def test_a_case_runs_once_for_all_its_tests(project: pytest.Pytester, monkeypatc
     real = Scene.run
     monkeypatch.setattr(Scene, "run", lambda scene, *args: runs.append(scene) or real(scene, *args))
     project.runpytest_inprocess().assert_outcomes(passed=4)
-    assert len([scene for scene in runs if scene.limits]) == 1  # those for bounds have no budgets
+    assert len([scene for scene in runs if scene.limits]) == 1  # scenes of bounds have no budgets
 
 
-def test_a_broken_budget_tells_its_figures_and_shows_the_bus(project: pytest.Pytester) -> None:
+def test_a_broken_budget_reports_its_figures_and_shows_the_bus(project: pytest.Pytester) -> None:
     broken(project)
     result = project.runpytest_inprocess()
     result.assert_outcomes(passed=2, failed=2)
@@ -175,7 +175,7 @@ def test_figures_are_properties_in_junit_xml(project: pytest.Pytester) -> None:
     assert found["hangs nowhere"] == {}
     head = "periph-sim/small/response/"
     response = {name.removeprefix(head): value for name, value in found["response"].items()}
-    response.pop("which", None)  # of several limits
+    response.pop("which", None)  # present only with several limits
     names = ["verdict", "unit", "worst_us", "limit_us", "margin_us"]
     names += ["count", "measured", "occasions", "at_s"]
     assert list(response) == names
@@ -188,7 +188,7 @@ def properties(case: ElementTree.Element) -> dict[str, str]:
     return {one.attrib["name"]: one.attrib["value"] for one in case.iter("property")}
 
 
-def test_xdist_workers_tell_the_same_table(project: pytest.Pytester) -> None:
+def test_xdist_workers_print_the_same_table(project: pytest.Pytester) -> None:
     broken(project)
     alone = project.runpytest_inprocess()
     spread = project.runpytest_subprocess("-n", "2")
@@ -197,12 +197,12 @@ def test_xdist_workers_tell_the_same_table(project: pytest.Pytester) -> None:
 
 
 def table(result: pytest.RunResult) -> list[str]:
-    """The lines of the summary, in one order: workers end in any."""
+    """Return the lines of the summary sorted, because workers finish in any order."""
     return sorted(line for line in result.outlines if line.startswith(" small/"))
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (('measure = "response"', 'measure = "respons"'), r"small.toml, line \d+: budget.response.measure: there is no "
          r"measure 'respons'; did you mean response\?"),
@@ -213,14 +213,14 @@ def table(result: pytest.RunResult) -> list[str]:
         (("[unit.dsp]", "[unit.dsp"), r"small.toml, line \d+: it is not TOML: .*"),
     ],
 )  # fmt: skip
-def test_a_bad_case_is_one_sentence(project: pytest.Pytester, change: tuple[str, str], said: str) -> None:
+def test_an_invalid_case_is_one_error_message(project: pytest.Pytester, change: tuple[str, str], message: str) -> None:
     (project.path / "timing" / "small.toml").write_text(SMALL.replace(*change))
     result = project.runpytest_inprocess()
     result.assert_outcomes(errors=1)
     assert result.ret == pytest.ExitCode.INTERRUPTED
     lines = result.outlines
     begin = next(number for number, line in enumerate(lines) if "ERROR collecting timing/small.toml" in line)
-    assert re.search(said + "$", lines[begin + 1]), lines[begin + 1]
+    assert re.search(message + "$", lines[begin + 1]), lines[begin + 1]
     assert lines[begin + 2].startswith("===")
 
 
@@ -240,7 +240,7 @@ def test_nothing_is_collected_without_the_option(project: pytest.Pytester) -> No
     assert "periph-sim budgets" not in result.stdout.str()
 
 
-def test_a_folder_that_is_not_there_is_a_mistake_not_silence(project: pytest.Pytester) -> None:
+def test_a_missing_folder_is_a_usage_error(project: pytest.Pytester) -> None:
     (project.path / "pytest.ini").write_text(f"{BARE_INI}periph_sim_cases = timings\n")
     result = project.runpytest_inprocess()
     assert result.ret == pytest.ExitCode.USAGE_ERROR

@@ -1,4 +1,4 @@
-"""Figures as they travel: as text, as properties of a test, and back as lines of the summary."""
+"""Figures of budgets as text, as properties of a test, and as lines of the summary made from these properties."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def report(test: str, *given: object, **more: object) -> SimpleNamespace:
     return SimpleNamespace(nodeid=test, user_properties=[one for part in given for one in part], **more)
 
 
-def test_figures_come_back_as_they_went() -> None:
+def test_figures_survive_the_way_through_test_properties() -> None:
     slow, silent = properties("a/b", verdict()), properties("a/b", verdict("x / y", None))
     lines = table(
         [
             report("t.py::one", slow),  # set up
-            report("t.py::one", slow, silent, slow),  # called; the first was judged twice
+            report("t.py::one", slow, silent, slow),  # called; the first budget was judged twice
             report("t.py::two", [("mine", 1), ("periph-sim", 2)], wasxfail=""),
             report("case.toml::response", properties("c", verdict(worst=3, unit="count")), wasxfail=""),
             report("case.toml::p", properties("c", verdict("held", 2.0))),
@@ -44,11 +44,11 @@ def test_figures_come_back_as_they_went() -> None:
     ]
 
 
-def test_no_figures_no_lines() -> None:
+def test_without_figures_there_are_no_lines() -> None:
     assert table([report("t.py::one", [("mine", 1)])]) == []
 
 
-def test_a_property_with_our_prefix_and_no_figures_is_shown() -> None:
-    """A test of the user may record such a property; an error here would end the session."""
+def test_a_property_with_the_plugin_prefix_but_no_figures_is_shown() -> None:
+    """A user's test may record such a property, which must not end the session with an error."""
     lines = table([report("t.py::one", [("periph-sim/mine/verdict", "seen")])])
     assert lines[-1] == (" mine            -      -     -  seen  t.py::one", True)

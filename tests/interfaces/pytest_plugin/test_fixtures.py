@@ -1,4 +1,4 @@
-"""The fixtures scene and case_run, the mark and the assertions, as tests of a user's project use them."""
+"""The fixtures scene and case_run, the mark `case` and the assertions, as tests of a user's project use them."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_shared_two(shared):
 """
 
 
-def test_marks_and_what_is_judged_where(project: pytest.Pytester) -> None:
+def test_each_test_judges_the_budgets_that_it_asserts(project: pytest.Pytester) -> None:
     (project.path / "timing" / "test_marks.py").write_text(MARKS)
     result = project.runpytest_inprocess("timing/test_marks.py", "--strict-markers")
     result.assert_outcomes(passed=3, failed=1, errors=1)
@@ -155,19 +155,19 @@ MISTAKES = {
 }
 
 
-@pytest.mark.parametrize(("call", "said"), MISTAKES.items())
-def test_mistakes_are_one_sentence(project: pytest.Pytester, call: str, said: str) -> None:
+@pytest.mark.parametrize(("call", "message"), MISTAKES.items())
+def test_a_wrong_call_is_one_error_message(project: pytest.Pytester, call: str, message: str) -> None:
     project.makepyfile(test_it=f"def idle(dsp, settings):\n    pass\n\ndef test_it(scene):\n    {call}\n")
     result = project.runpytest_inprocess("--tb=short", "test_it.py")
     result.assert_outcomes(failed=1)
-    result.stdout.fnmatch_lines([f"E   *: {said}".replace("?", "[?]")])
+    result.stdout.fnmatch_lines([f"E   *: {message}".replace("?", "[?]")])
     assert "pytest_plugin/" not in result.stdout.str()
 
 
 LONG = SMALL.replace("count = 2", "count = 30").replace('expect = "01 02"', f'expect = "{"55 " * 30}"')
 
 
-def test_a_long_worst_case_is_drawn_whole_and_others_around_their_instant(project: pytest.Pytester) -> None:
+def test_a_long_worst_occurrence_is_drawn_whole_and_others_around_their_instant(project: pytest.Pytester) -> None:
     (project.path / "timing" / "small.toml").write_text(LONG)
     project.makepyfile(test_it='def test_it(scene):\n    scene("timing/small.toml").assert_all()\n')
     result = project.runpytest_inprocess("test_it.py")
@@ -183,7 +183,7 @@ def test_a_long_worst_case_is_drawn_whole_and_others_around_their_instant(projec
     )
 
 
-def test_a_test_that_is_to_fail_is_said_to_be(project: pytest.Pytester) -> None:
+def test_the_budget_of_an_xfail_test_is_broken_as_expected(project: pytest.Pytester) -> None:
     project.makepyfile(
         test_it="""
         import pytest
@@ -237,7 +237,7 @@ def test_short(scene, record):
 
 
 @pytest.mark.parametrize(("source", "passed"), [(SCENE, 4), (PYTHON, 3), (PICTURES, 1), (LIMITS, 3)])
-def test_what_a_run_gives(project: pytest.Pytester, source: str, passed: int) -> None:
-    """Figures and waves of cases and of firmware in Python; the picture of a second run, and within a short run."""
+def test_a_run_gives_figures_waves_and_pictures(project: pytest.Pytester, source: str, passed: int) -> None:
+    """Figures and waves of cases and of Python firmware; the picture from a second run and inside a short run."""
     project.makepyfile(test_it=source)
     project.runpytest_inprocess("test_it.py").assert_outcomes(passed=passed)

@@ -1,4 +1,4 @@
-"""pytest starts with the plugin in every project: that costs nothing, and it can be turned off."""
+"""pytest loads the plugin in every project: it must import nothing heavy, and it can be turned off."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ def test_start():
 """
 
 
-def test_nothing_heavy_is_imported_before_it_is_used(pytester: pytest.Pytester) -> None:
+def test_the_plugin_imports_heavy_modules_only_when_they_are_used(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(LIGHT)
     result = pytester.runpytest_subprocess("-p", "no:hypothesispytest", "-p", "no:cov", "-p", "no:cacheprovider")
     result.assert_outcomes(passed=1)
 
 
-def test_it_can_be_turned_off(project: pytest.Pytester) -> None:
+def test_the_plugin_can_be_turned_off(project: pytest.Pytester) -> None:
     result = project.runpytest_subprocess("-p", "no:periph-sim")
     assert result.ret == pytest.ExitCode.NO_TESTS_COLLECTED
     assert "periph-sim budgets" not in result.stdout.str()
 
 
-def test_our_marker_is_known_and_told(pytester: pytest.Pytester) -> None:
+def test_the_marker_is_listed(pytester: pytest.Pytester) -> None:
     result = pytester.runpytest_inprocess("--markers")
     result.stdout.fnmatch_lines(["@pytest.mark.case(file, *changes, seconds=None, record=False):*"])

@@ -1,4 +1,4 @@
-"""A session whose process user code ends does not pass, whether at collection, in a case or in a test of its own."""
+"""A session does not pass if user code ends its process, whether during collection, in a case or in a test."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def test_two():
 FIRMWARE = "import os\n{imported}\ndef main(dsp, settings):\n    {run}\n"
 
 
-def of_cases(project: pytest.Pytester, imported: str = "", run: str = "pass") -> pytest.RunResult:
-    """A session of one case, whose firmware executes this."""
+def run_case_session(project: pytest.Pytester, imported: str = "", run: str = "pass") -> pytest.RunResult:
+    """Run a session of one case whose firmware executes this code."""
     folder = project.path / "timing"
     case = folder / "small.toml"
     case.write_text(case.read_text("utf-8").replace('"responder"', '"ends.py"'), encoding="utf-8")
@@ -34,29 +34,29 @@ def of_cases(project: pytest.Pytester, imported: str = "", run: str = "pass") ->
 
 @pytest.mark.parametrize("where", ["imported", "run"])
 def test_an_exit_in_a_case_is_no_pass(project: pytest.Pytester, where: str):
-    came = of_cases(project, **{where: "os._exit(0)"})
-    assert came.ret == 3 and came.errlines[-1] == LOST
+    result = run_case_session(project, **{where: "os._exit(0)"})
+    assert result.ret == 3 and result.errlines[-1] == LOST
 
 
 def test_an_exit_in_firmware_of_a_test_is_no_pass(pytester: pytest.Pytester):
     pytester.makepyfile(TEST.format(code="__import__('os')._exit(0)"))
-    came = pytester.runpytest_subprocess()
-    assert came.ret == 3 and came.errlines[-1] == LOST
+    result = pytester.runpytest_subprocess()
+    assert result.ret == 3 and result.errlines[-1] == LOST
 
 
 @pytest.mark.parametrize("code", ["os._exit(0)", "raise SystemExit(0)"])
 def test_an_exit_of_conftest_is_no_pass(project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, code: str):
-    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # this test's own session may be one of xdist
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # the session of this test may be an xdist worker
     project.makeconftest(f"import os\n{code}\n")
-    came = project.runpytest_subprocess()
-    assert came.ret == 3 and came.errlines[-1] == LOST
+    result = project.runpytest_subprocess()
+    assert result.ret == 3 and result.errlines[-1] == LOST
 
 
-def test_an_exit_that_python_sees_fails_its_test_and_the_others_run(pytester: pytest.Pytester):
+def test_system_exit_fails_its_test_and_the_others_run(pytester: pytest.Pytester):
     pytester.makepyfile(TEST.format(code="raise SystemExit(0)"))
-    came = pytester.runpytest_subprocess()
-    came.assert_outcomes(passed=1, failed=1)
-    assert came.ret == 1 and "SystemExit at line 3 of test_an_exit" in came.stdout.str()
+    result = pytester.runpytest_subprocess()
+    result.assert_outcomes(passed=1, failed=1)
+    assert result.ret == 1 and "SystemExit at line 3 of test_system_exit" in result.stdout.str()
 
 
 def test_skipping_in_firmware_is_no_pass(pytester: pytest.Pytester):
@@ -67,9 +67,9 @@ def test_skipping_in_firmware_is_no_pass(pytester: pytest.Pytester):
 @pytest.mark.parametrize(("code", "status"), [("pass", 0), ("1 / 0", 1)])
 def test_a_session_that_ends_by_itself_has_its_own_status(pytester: pytest.Pytester, code: str, status: int):
     pytester.makepyfile(TEST.format(code=code))
-    came = pytester.runpytest_subprocess()
-    assert came.ret == status and not came.errlines
-    assert came.stdout.lines[-1].count(" passed in ") or status
+    result = pytester.runpytest_subprocess()
+    assert result.ret == status and not result.errlines
+    assert result.stdout.lines[-1].count(" passed in ") or status
 
 
 def test_wrong_usage_has_its_own_status(project: pytest.Pytester):

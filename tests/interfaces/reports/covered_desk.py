@@ -1,4 +1,4 @@
-"""A case whose frames never meet its rounds in an ordinary run, and a coverage file of the phases at which they do.
+"""A case whose frames do not overlap with a round in an ordinary run, and a coverage file of phases at which they do.
 
 rounds          R----------R----------
 frames, as run  ---F----------F-------    the interrupt comes while the firmware is idle
@@ -21,7 +21,7 @@ from periph_sim.proof.saved_paths import coverage_path
 from periph_sim.proof.stretch import Job
 from tests.interfaces.reports.baselines.desk import FIRMWARE
 
-FRAME = "        if self.settings.frame_cost:\n"  # the first line of the service routine after the frame is read
+FRAME = "        if self.settings.frame_cost:\n"  # the first line of the service routine after it has read the frame
 
 CASE = """\
 name = "small"
@@ -62,8 +62,8 @@ ONLY = Fraction("0.0092375"), Fraction("0.0092377")  # an interrupt comes 1.04 m
 def put_case(folder: Path, *, service: int = 3000, does: str = "", comment: str = "") -> Path:
     """Write the case and its firmware.
 
-    service: cycles that the service routine computes besides. does: what it does instead.
-    comment: a line after the firmware, without effect.
+    The service routine computes for `service` more cycles, or executes `does` instead. `comment` is appended to the
+    firmware without effect.
     """
     folder.mkdir(exist_ok=True)
     assert FRAME in FIRMWARE
@@ -74,7 +74,7 @@ def put_case(folder: Path, *, service: int = 3000, does: str = "", comment: str 
 
 
 def save_coverage(case: Path) -> Path:
-    """Run the phases ONLY, and write the coverage file, without the dependencies that are modules of the tests."""
+    """Run the phases ONLY and write the coverage file, without dependencies on modules of the tests."""
     found = choose(Job(str(case.absolute()), rounds=3), 1, ONLY)
     files = {file: digest for file, digest in found.depends.files.items() if not file.startswith("..")}
     found.depends = replace(found.depends, files=files)

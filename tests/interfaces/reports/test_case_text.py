@@ -1,4 +1,4 @@
-"""The text of a written case: what it says is what was given, and its paths lead to the same files."""
+"""The text of a written case: it has the given contents, and its paths lead to the same files."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ VALUES = st.recursive(PLAIN, lambda each: st.lists(each, max_size=3) | st.dictio
 
 
 @given(st.dictionaries(TEXTS, VALUES, max_size=4))
-def test_the_text_of_any_tree_is_that_tree(tree: dict[str, Any]) -> None:
+def test_the_text_of_any_tree_parses_to_that_tree(tree: dict[str, Any]) -> None:
     assert tomllib.loads(toml(tree)) == tree
 
 
 @pytest.mark.parametrize("file", sorted(TIMING.glob("*.toml")), ids=lambda file: file.stem)
-def test_the_text_of_a_shipped_case_is_that_case(file: Path) -> None:
+def test_the_text_of_a_shipped_case_parses_to_that_case(file: Path) -> None:
     _, tree = read(file, "case")
     assert tomllib.loads(toml(tree)) == tree
 
@@ -36,7 +36,9 @@ def test_plain_values_come_before_tables_and_tables_have_one_line_between_them()
 
 
 @pytest.mark.parametrize("is_relative", [False, True])
-def test_only_paths_of_files_move(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_relative: bool) -> None:
+def test_only_paths_of_existing_files_are_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_relative: bool
+) -> None:
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
     (tmp_path / "one" / "a.py").write_text("")

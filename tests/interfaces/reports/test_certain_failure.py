@@ -1,4 +1,4 @@
-"""Instants at which failures become certain: what the runs beside an end of a window did differently."""
+"""Instants at which failures become certain: the differences between the runs on both sides of a window's end."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def both_ends(case: Path, changes: Sequence[str], name: str, phases: range = PHA
 
 
 def test_the_first_access_that_only_failing_runs_have_is_named_at_both_ends(tmp_path: Path) -> None:
-    """A character in the window leads to a pulse of the pin: the firmware differs there and nowhere before."""
+    """A character in the window leads to a pulse of the pin, which is the first difference between the accesses."""
     case = listener(tmp_path)
     first, last = both_ends(case, settings_of(low=LOW, high=HIGH), "bad")
     for one, beside in ((first, first.phase - 1), (last, last.phase + 1)):
@@ -52,7 +52,7 @@ def test_the_first_access_that_only_failing_runs_have_is_named_at_both_ends(tmp_
 
 
 def test_the_instant_is_that_of_the_access_in_a_run_with_the_phase(tmp_path: Path) -> None:
-    """A run that is written as text, without the coverage, has the access at the same time."""
+    """A run of the case without the coverage has the access at the same time."""
     case = listener(tmp_path)
     changes = settings_of(low=LOW, high=HIGH)
     first, _ = both_ends(case, changes, "bad")
@@ -68,15 +68,15 @@ def test_the_instant_is_that_of_the_access_in_a_run_with_the_phase(tmp_path: Pat
     )
 
 
-def test_firmware_that_does_the_same_later_has_no_such_access(tmp_path: Path) -> None:
-    """The character waits for the end of a computation: only times differ from those of the phases that hold."""
+def test_firmware_that_does_the_same_later_has_no_deciding_access(tmp_path: Path) -> None:
+    """The character waits for the end of a computation, so the runs differ in times only from those that hold."""
     found = both_ends(listener(tmp_path), settings_of(begin=9000, busy=400), "late", range(1000, 1500))
     assert found and all(one.event is None and one.instead is None for one in found)
     assert all(one.shares == (one.shares[0],) for one in found)
 
 
-def test_a_hang_is_certain_when_the_firmware_waits_for_what_never_comes(tmp_path: Path) -> None:
-    """The budget breaks when the FIFO is full, long after the wait has begun."""
+def test_a_hang_is_certain_when_the_endless_wait_begins(tmp_path: Path) -> None:
+    """The budget breaks when the FIFO is full, long after the wait began."""
     first, last = both_ends(listener(tmp_path), settings_of(low=LOW, high=HIGH, then="hang"), "high-water")
     for one in (first, last):
         assert one.event is not None and "SCI-A.SCIPRI read" in one.event.text
@@ -103,7 +103,7 @@ def main(dsp, settings):
 
 
 def test_a_difference_after_the_failure_is_not_its_cause(tmp_path: Path) -> None:
-    """The later the character, the later the pin rises: only times differ up to the failure, and accesses after it."""
+    """The pin rises later if the character is later: up to the failure, only times differ, and after it, accesses."""
     case = listener(tmp_path)
     (tmp_path / "listener.py").write_text(SLOWER, encoding="utf-8")
     slow = "{name='slow', measure='from access R SCI-A.SCIRXBUF to edge SEEN rise', max='3.876 us'}"
@@ -127,28 +127,28 @@ def test_an_end_whose_neighbour_was_not_run_is_left_out(tmp_path: Path) -> None:
     assert only.phase == last.phase
 
 
-def test_a_coverage_without_windows_has_none(tmp_path: Path) -> None:
+def test_a_coverage_without_windows_has_no_certain_failure(tmp_path: Path) -> None:
     assert certain_failures(covered(listener(tmp_path), (), range(4))) == []
 
 
-def test_at_most_this_number_of_ends_is_examined(tmp_path: Path) -> None:
+def test_the_number_of_examined_ends_is_limited(tmp_path: Path) -> None:
     found = covered(listener(tmp_path), settings_of(low=LOW, high=HIGH), PHASES)
     found.windows *= MOST_ENDS
     assert len(certain_failures(found)) == MOST_ENDS
 
 
-def test_reads_that_yield_the_same_one_after_the_other_are_one() -> None:
+def test_consecutive_reads_of_an_equal_value_are_one_step() -> None:
     records = [access(n, "R I2C-A.I2CSTR", value) for n, value in enumerate((1, 1, 2, 2, 2, 1))]
     records.append(access(9, "W I2C-A.I2CSTR", 1))
     records.append(access(10, "W I2C-A.I2CSTR", 1))
     steps = steps_of(records)["dsp"]
     assert [step.record.number for step in steps] == [0, 2, 5, 9, 10]
-    words = [access(n, "R SCI-A.SCIRXBUF", 7) for n in range(3)]  # each read takes another word from the FIFO
+    words = [access(n, "R SCI-A.SCIRXBUF", 7) for n in range(3)]  # each read removes another word from the FIFO
     assert len(steps_of(words)["dsp"]) == 3
 
 
 @pytest.mark.parametrize("name", ["SCI-A.SCIRXBUF", "I2C-A.I2CDRR", "I2C-A.I2CDXR", "TIMER0.TIM"])
-def test_words_of_data_and_of_time_are_not_compared(name: str) -> None:
+def test_values_of_data_and_timer_registers_are_not_compared(name: str) -> None:
     one, two = (steps_of([access(1, f"R {name}", value)]) for value in (1, 2))
     assert one["dsp"][0].content == two["dsp"][0].content
     one, two = (steps_of([access(1, "R I2C-A.I2CSTR", value)]) for value in (1, 2))
@@ -156,7 +156,7 @@ def test_words_of_data_and_of_time_are_not_compared(name: str) -> None:
 
 
 @given(st.lists(st.lists(st.tuples(st.sampled_from("ab"), st.integers(0, 1)), max_size=6), min_size=1, max_size=6))
-def test_runs_are_alike_while_each_unit_does_the_same(words: list[list[tuple[str, int]]]) -> None:
+def test_runs_are_alike_while_each_unit_makes_the_same_accesses(words: list[list[tuple[str, int]]]) -> None:
     runs = {
         phase: steps_of([access(n, "W I2C-A.I2CSTR", value, unit) for n, (unit, value) in enumerate(word)])
         for phase, word in enumerate(words)

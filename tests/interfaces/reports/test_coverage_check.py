@@ -1,4 +1,4 @@
-"""Runs of the worst values of a coverage file, made again by `check`: what is as saved, and what is a finding."""
+"""`check` repeats the runs of the worst values of a coverage file: equal values, and differences that are findings."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ def edit(case: Path, old: str, new: str) -> None:
     case.write_text(CASE.replace(old, new), encoding="utf-8")
 
 
-def test_values_as_saved_are_no_finding(covered: Path):
+def test_values_that_match_are_no_finding(covered: Path):
     one, coverage = checked()
     assert (one.state, texts(one), coverage.state) == ("equal", [], "as saved")
     assert (coverage.file, coverage.report.line) == (Path(FILE), HELD)
 
 
 def test_a_broken_worst_phase_is_found_though_the_run_and_its_baseline_are_unchanged(covered: Path):
-    """The service routine takes 100 us instead of 20 us. In the ordinary run, it comes while the firmware is idle."""
+    """The service routine takes 100 us instead of 20 us. In the ordinary run, it interrupts idle firmware."""
     put_case(Path("cases"), service=15_000)
     one, coverage = checked()
     assert (one.state, one.outcome.not_passed, coverage.state) == ("equal", [], "changed")

@@ -1,4 +1,4 @@
-"""Results of calls that are kept in a file: which calls are not made again, and which files are not used."""
+"""Results of calls that are kept in a file: which calls are not repeated, and which files are not used."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def results(kept: KeptCalls, case: Path, numbers: Iterable[int], changes: tuple[
 
 @pytest.fixture
 def unfinished(case: Path) -> Path:
-    """The file with the results for 1, 2 and 3."""
+    """Write the file with the results for 1, 2 and 3, and return its path."""
     kept = KeptCalls(case)
     results(kept, case, [1, 2, 3])
     assert kept.note == "" and kept.save()
@@ -70,7 +70,7 @@ def test_the_folder_from_which_the_case_is_named_does_not_matter(case: Path, unf
 
 
 def test_results_are_kept_after_each_interval(case: Path, monkeypatch: pytest.MonkeyPatch):
-    """The command can be ended by a signal that it cannot handle."""
+    """A signal that the command cannot handle may end it."""
     monkeypatch.setattr(kept_calls, "SAVED_EVERY", -1)
 
     def stops(work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]]) -> Iterable[T]:
@@ -107,7 +107,7 @@ def damaged(text: str) -> str:
         (lambda text: text.replace('"periph_sim":"', '"periph_sim":"0'), "because periph_sim itself has changed"),
     ],
 )
-def test_a_file_that_cannot_be_used_has_a_sentence(
+def test_the_note_states_why_a_file_cannot_be_used(
     change: Callable[[str], str], reason: str, case: Path, unfinished: Path
 ):
     unfinished.write_text(change(unfinished.read_text(encoding="utf-8")), encoding="utf-8")

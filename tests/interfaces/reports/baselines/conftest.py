@@ -1,4 +1,4 @@
-"""A case and its baseline, made once for all tests of this folder; each test has a copy of its own."""
+"""A case and its baseline, built once for all tests of this folder; each test has a copy of its own."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from tests.interfaces.reports.baselines.desk import put
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder that holds `cases`, with one case that holds and its baseline."""
+    """Create a folder `cases` with a passing case and its baseline, and return the folder above it."""
     folder = tmp_path_factory.mktemp("written")
-    with chdir(folder):  # paths in messages count from there
+    with chdir(folder):  # paths in messages are relative to it
         put(Path("cases"))
         (one,) = check(["cases"], jobs=1, update=True)
     assert (one.state, one.findings) == ("written", [])
@@ -25,7 +25,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def cases(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder `cases` with one case that holds, and its baseline; also the current folder's only content."""
+    """Copy the passing case and its baseline to `cases`, in an otherwise empty current folder."""
     monkeypatch.chdir(tmp_path)
     shutil.copytree(written / "cases", "cases")
     return Path("cases")

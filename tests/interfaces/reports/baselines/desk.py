@@ -1,4 +1,4 @@
-"""Small cases to be checked: the emulator of timing/imu_hil_published.toml asked for one chip, 22 ms long."""
+"""Small cases for check: the emulator of timing/imu_hil_published.toml with one requested chip, 22 ms long."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[4]
 FIRMWARE = (ROOT / "firmware" / "python" / "imu_hil.py").read_text(encoding="utf-8")
-WRITE = "        buffer = endless(data)\n"  # the line before I2CDXR is written first
+WRITE = "        buffer = endless(data)\n"  # the line before the first write of I2CDXR
 RUNS = "Emulator(dsp, settings).run()"
 
 CASE = """\
@@ -50,9 +50,10 @@ max = "300 us"
 def put(
     folder: Path, name: str = "small", *, wait: int = 0, sdir_wait: bool = True, breaks: str = "", does: str = RUNS
 ) -> Path:
-    """A case file in `folder`, with its firmware.
+    """Write a case file and its firmware to `folder`.
 
-    wait: cycles that it computes before it writes I2CDXR. breaks: the line of that key. does: what main does.
+    The firmware computes for `wait` cycles before it writes I2CDXR, and main executes `does`. `breaks` is the line with
+    that key.
     """
     folder.mkdir(exist_ok=True)
     assert WRITE in FIRMWARE and RUNS in FIRMWARE

@@ -1,4 +1,4 @@
-"""Cases held against their baselines: equal, changed, missing, written, and budgets that must break."""
+"""Cases compared with their baselines: equal, changed, missing, written, and budgets that must break."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def test_an_equal_run_passes_and_its_figures_are_the_same_bytes(cases: Path):
     assert baseline_path(cases / "small.toml").read_bytes() == before == text_of(again.outcome.figures).encode()
 
 
-def test_firmware_that_is_slower_shows_in_its_figures_and_the_first_event_that_moved_is_told(cases: Path):
-    """I2CDXR is written 1490 cycles before the address's ACK ends and must be there 750 cycles behind it."""
+def test_slower_firmware_changes_the_figures_and_the_first_moved_event_is_named(cases: Path):
+    """I2CDXR is written 1490 cycles before the address's ACK ends; the write is due 750 cycles after that end."""
     put(cases, wait=3000)
     (one,) = check([cases], jobs=1)
     assert one.state == "changed"
@@ -45,8 +45,8 @@ def test_firmware_that_is_slower_shows_in_its_figures_and_the_first_event_that_m
 
 
 @pytest.mark.parametrize("tolerance", [0, 1])
-def test_an_access_that_moved_is_told_with_its_line_though_no_budget_did(cases: Path, tolerance: int):
-    """20 cycles before each I2CDXR write: far from its deadline. A tolerance of a cycle does not hide it."""
+def test_a_moved_access_is_reported_with_its_line_if_no_figure_changes_much(cases: Path, tolerance: int):
+    """The firmware computes 20 cycles more before each I2CDXR write, far from the deadline and above the tolerance."""
     put(cases, wait=20)
     (one,) = check([cases], jobs=1, tolerance=tolerance)
     assert one.state == "changed" and not one.outcome.broken
@@ -54,8 +54,8 @@ def test_an_access_that_moved_is_told_with_its_line_though_no_budget_did(cases: 
     assert "holds, but an access moved: " in moved and "[" in moved and ".py:" in moved
 
 
-def test_an_access_that_moved_is_told_though_no_figure_and_no_count_did(cases: Path):
-    """`TRX = 1` and the write of I2CCNT behind it change places: both together take as long as before."""
+def test_a_moved_access_is_reported_if_no_figure_and_no_count_changes(cases: Path):
+    """`TRX = 1` and the write of I2CCNT after it are swapped, which takes the same time as before."""
     firmware = cases / "small_firmware.py"
     text = firmware.read_text(encoding="utf-8")
     first, second = "        i2c.I2CMDR.TRX = 1\n", "        i2c.I2CCNT.all = self.settings.count\n"
@@ -68,8 +68,8 @@ def test_an_access_that_moved_is_told_though_no_figure_and_no_count_did(cases: P
     assert "holds, but an access moved: I2C-A.I2C" in moved and moved.endswith("[small_firmware.py:105 (batch_read)]")
 
 
-def test_a_second_run_is_made_only_where_something_moved(cases: Path, monkeypatch: pytest.MonkeyPatch):
-    """The case is run a second time for its chains: not if figures and the times of all events are the baseline's."""
+def test_a_second_run_is_made_only_if_something_changed(cases: Path, monkeypatch: pytest.MonkeyPatch):
+    """The second run finds the chains. It is omitted if figures and digest of event times equal the baseline's."""
     second: list[Path] = []
 
     def run(path: Path, *rest: Any) -> Any:
@@ -95,14 +95,14 @@ def test_a_second_run_is_made_only_where_something_moved(cases: Path, monkeypatc
     assert len(second) == 3 and path.read_text(encoding="utf-8") == before
 
 
-def test_a_move_within_the_tolerance_is_none(cases: Path):
+def test_a_move_within_the_tolerance_is_no_change(cases: Path):
     put(cases, wait=20)
     (one,) = check([cases], jobs=1, tolerance=25)
     assert (one.state, texts(one)) == ("equal", [])
     assert one.changes and all(change.note for change in one.changes)
 
 
-def test_a_new_wrong_byte_is_told_with_what_was_read(cases: Path):
+def test_a_new_wrong_byte_is_reported_with_the_bytes_read(cases: Path):
     put(cases, sdir_wait=False)
     (one,) = check([cases], jobs=1)
     read_ = "gyroscope read 12 13 14 15 16 00 where 11 12 13 14 15 16 was expected"
@@ -114,15 +114,15 @@ def test_a_new_wrong_byte_is_told_with_what_was_read(cases: Path):
     ("off", "tolerance", "passes"), [(1, 0, False), (100, 4, False), (100, 5, True), (-100, 5, True)]
 )
 def test_times_may_differ_by_the_tolerance(cases: Path, off: int, tolerance: int, passes: bool):
-    """20 ticks are a cycle."""
+    """A cycle is 20 ticks."""
     change(baseline_path(cases / "small.toml"), worst=15000 + off, worst_at=1)
     (one,) = check([cases], jobs=1, tolerance=tolerance) if tolerance else check([cases], jobs=1)
     assert one.passed == passes
     assert ("response worst at" in "".join(texts(one))) == (tolerance == 0)
 
 
-def test_no_figure_of_a_baseline_may_be_another_one(cases: Path):
-    """Each number and text of the file changed in turn, chains and the digest of events apart: they only explain."""
+def test_every_changed_figure_of_a_baseline_is_found(cases: Path):
+    """Each number and text of the file is changed in turn, except chains and the event digest, which only explain."""
     path = baseline_path(cases / "small.toml")
     good = path.read_text(encoding="utf-8")
     (one,) = check([cases], jobs=1)
@@ -148,7 +148,7 @@ def leaves(tree: dict[str, Any], *above: str) -> list[tuple[str, ...]]:
     return [place for places in found for place in places]
 
 
-def test_the_time_on_the_clock_changes_no_figure_and_no_chain(cases: Path):
+def test_the_start_time_of_the_run_changes_no_figure_and_no_chain(cases: Path):
     put(cases, breaks='start = "30 d"\n')
     assert check([cases], jobs=1)[0].passed
     assert check([cases], jobs=1, update=True)[0].state == "equal"
@@ -160,7 +160,7 @@ def test_a_change_can_be_tried_without_touching_the_file(cases: Path):
     assert {finding.budget for finding in one.findings} == {"model"}
 
 
-def test_a_missing_baseline_is_told_until_it_is_written(cases: Path):
+def test_a_missing_baseline_is_reported_until_it_is_written(cases: Path):
     path = baseline_path(cases / "small.toml")
     path.unlink()
     (one,) = check([cases], jobs=1)
@@ -214,7 +214,7 @@ BREAKS = [
 
 @pytest.mark.parametrize(("breaks", "found"), BREAKS)
 def test_a_case_passes_only_if_exactly_its_known_bugs_break(cases: Path, breaks: str, found: list[str]):
-    """The explanations are those of the budgets that break and must not."""
+    """Only budgets that break and must not break are explained."""
     put(cases, sdir_wait=False, breaks=breaks)
     for update in (True, False):
         (one,) = check([cases], jobs=1, update=update)
@@ -222,7 +222,7 @@ def test_a_case_passes_only_if_exactly_its_known_bugs_break(cases: Path, breaks:
         assert [*one.causes] == ([] if "wrong bytes" in breaks else ["wrong bytes"])
 
 
-def test_a_budget_that_must_break_and_measures_nothing_is_not_judged(cases: Path):
+def test_a_budget_that_must_break_but_measures_nothing_is_not_judged(cases: Path):
     path = put(cases, breaks='breaks = ["model"]\n')
     path.write_text(path.read_text().replace("span:model", "span:modle"), encoding="utf-8")
     (one,) = check([cases], jobs=1)
@@ -238,7 +238,7 @@ def test_firmware_that_waits_for_ever_fails_though_no_budget_breaks(cases: Path)
     path = put(cases)
     text = path.read_text(encoding="utf-8").replace("[controller]\n", "[controller]\nrounds = 1\n")
     path.write_text(text.partition("[[budget]]")[0], encoding="utf-8")
-    assert check([path], jobs=1, update=True)[0].passed  # the emulator waits to be asked: an agent may do so
+    assert check([path], jobs=1, update=True)[0].passed  # an agent may wait for a request for ever
     text = text.partition("[controller]")[0]
     path.write_text(text, encoding="utf-8")
     (one,) = check([path], jobs=1, update=True)
@@ -246,7 +246,7 @@ def test_firmware_that_waits_for_ever_fails_though_no_budget_breaks(cases: Path)
 
 
 @pytest.mark.parametrize("jobs", [2, 3])
-def test_processes_change_nothing_and_keep_the_order(cases: Path, jobs: int):
+def test_the_number_of_processes_changes_neither_results_nor_order(cases: Path, jobs: int):
     put(cases, "a", wait=3000)
     put(cases, "z", sdir_wait=False)
     alone = check([cases], jobs=1)
@@ -257,18 +257,18 @@ def test_processes_change_nothing_and_keep_the_order(cases: Path, jobs: int):
     assert together == alone
 
 
-def test_a_process_that_dies_is_told_with_its_case(cases: Path):
-    """In a process of its own: what dies here must not take the test runner with it."""
+def test_a_process_that_dies_is_reported_with_its_case(cases: Path):
+    """The check runs in a process of its own, so that the exit of the firmware cannot end the test runner."""
     bad = put(cases, "bad", does="__import__('os')._exit(1)")
     command = [sys.executable, "-m", "periph_sim", "check", str(cases), "--jobs", "2"]
     came = subprocess.run(command, capture_output=True, text=True, check=False)
     assert came.returncode == 2
     assert f"{bad}: its process died before it finished; " in came.stdout
-    assert "small " in came.stdout  # the other case went on
+    assert "small " in came.stdout  # the other case was checked
 
 
-def test_cases_of_sub_folders_are_found_among_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """A repository of somebody's own: finding 37."""
+def test_cases_of_subfolders_are_found_among_other_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The folder is a repository with other TOML files and a virtual environment (finding 37)."""
     monkeypatch.chdir(tmp_path)
     Path("pyproject.toml").write_text('[project]\nname = "theirs"\n[tool.ruff]\n', encoding="utf-8")
     Path("poetry.toml").write_bytes(b"\xff not even text")
@@ -286,16 +286,16 @@ def test_a_case_that_is_given_by_several_paths_is_checked_once(cases: Path):
     others = [cases / "sub" / ".." / "small.toml", cases / "link" / "small.toml", case.absolute(), cases]
     assert case_files([case, *others]) == [case]
     assert case_files([*others, case]) == others[:1]
-    (cases / "other.toml").symlink_to(case.absolute())  # has a baseline of its own
+    (cases / "other.toml").symlink_to(case.absolute())  # it has a baseline of its own
     assert case_files([case, cases / "other.toml"]) == [case, cases / "other.toml"]
 
 
-def test_a_case_of_broken_toml_is_found_and_not_passed_over(cases: Path):
+def test_a_case_file_with_a_toml_error_is_not_skipped(cases: Path):
     (cases / "bad.toml").write_text("[unit.dsp\nfirmware = ", encoding="utf-8")
     assert cases / "bad.toml" in case_files([cases])
 
 
-def test_a_case_that_cannot_run_is_reported_and_the_others_go_on(cases: Path):
+def test_a_case_that_cannot_run_is_reported_and_the_others_are_checked(cases: Path):
     bad = put(cases, "bad", does="raise ValueError('boom')")
     stale = put(cases, "stale")
     baseline_path(stale).write_text("{", encoding="utf-8")
@@ -322,7 +322,7 @@ def test_two_budgets_of_one_name_are_refused(cases: Path):
         ),
     ],
 )
-def test_no_case_is_no_pass(cases: Path, path: str, sentence: str):
+def test_a_path_without_a_case_is_an_error(cases: Path, path: str, sentence: str):
     Path("empty").mkdir()
     with pytest.raises(BadCheck) as caught:
         check([Path(path)])

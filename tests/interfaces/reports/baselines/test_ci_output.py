@@ -1,4 +1,4 @@
-"""JUnit XML and annotations: parsed back, and with the right lines."""
+"""JUnit XML and GitHub annotations: the XML is parsed again, and the line numbers are compared."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.interfaces.reports.baselines.desk import put
 from tests.unwrapped import unwrapped
 
 
-def test_junit_has_a_suite_a_case_and_a_test_a_budget_with_its_figures(cases: Path):
+def test_junit_has_a_suite_for_each_case_and_a_test_for_each_budget(cases: Path):
     put(cases, "z", sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
     checks = check([cases], jobs=1)
     root = xml.fromstring(junit(checks))
@@ -28,8 +28,8 @@ def test_junit_has_a_suite_a_case_and_a_test_a_budget_with_its_figures(cases: Pa
     counts = {"events": first.figures.events, "polls_skipped": first.figures.counts["polls_skipped"]}
     counts |= dict.fromkeys(("missed", "nacked", "frames", "stuck", "overruns", "resets", "SCI bytes"), 0)
     counts |= {"rounds": 2, "I2C bytes": 18}
-    told = {p.get("name"): p.get("value") for p in small.findall("properties/property")}
-    assert told == {"baseline": "equal"} | {key: str(count) for key, count in counts.items()}
+    shown = {p.get("name"): p.get("value") for p in small.findall("properties/property")}
+    assert shown == {"baseline": "equal"} | {key: str(count) for key, count in counts.items()}
     assert small.get("time") == f"{first.result.wall_s:.6f}"
     response = small.find("testcase[@name='response']/properties")
     assert {p.get("name"): p.get("value") for p in response} == {
@@ -43,13 +43,13 @@ def test_junit_has_a_suite_a_case_and_a_test_a_budget_with_its_figures(cases: Pa
         "verdict": "seen",
         "must_break": "no",
     }
-    # A budget that must break and does is no failure; that there is no baseline yet is one of the case as a whole.
+    # A budget that must break and does is no failure; the missing baseline is a failure of the case as a whole.
     assert [test.get("name") for test in z.iter("testcase") if test.find("failure") is not None] == ["the case"]
     wrong = z.find("testcase[@name='wrong bytes']")
     assert wrong is not None and wrong.get("line") == "25" and wrong.get("file") == "cases/z.toml"
 
 
-def test_junit_tells_everything_wrong_with_a_budget_in_one_failure(cases: Path):
+def test_junit_has_one_failure_with_all_findings_of_a_budget(cases: Path):
     put(cases, sdir_wait=False)
     (suite,) = xml.fromstring(junit(check([cases], jobs=1)))
     failure = suite.find("testcase[@name='wrong bytes']/failure")
@@ -64,8 +64,8 @@ def test_a_case_that_cannot_run_has_an_annotation():
     assert line == "::error file=a%2Cb/bad.toml,line=1,title=periph-sim check%3A bad::there is%0Ano firmware"
 
 
-def test_the_text_of_a_file_has_an_element_a_line_and_only_characters_that_xml_has():
-    """Of XML 1.0, section 2.2: tab, line feed, carriage return, U+0020 to U+D7FF, U+E000 to U+FFFD, U+10000 on."""
+def test_junit_has_one_element_per_line_and_only_valid_characters():
+    """XML 1.0, section 2.2 allows tab, line feed, carriage return, U+0020-D7FF, U+E000-FFFD, and U+10000 and above."""
     kept, left_out = " \ud7ff\ue000\ufffd\U00010000\U0010ffff", "\0\x08\x0b\x0c\x0e\x1f\ud800\udfff\ufffe\uffff"
     why = kept + "\ufffd" * len(left_out)
     assert junit([], [RejectedCase(Path("a/bad.toml"), kept + left_out)]).splitlines() == [
@@ -80,14 +80,14 @@ def test_the_text_of_a_file_has_an_element_a_line_and_only_characters_that_xml_h
     ]
 
 
-def test_text_that_xml_has_to_escape_does_not_break_it(cases: Path):
+def test_junit_escapes_text(cases: Path):
     path = put(cases)
     path.write_text(path.read_text().replace('name = "model"', 'name = "<mo&\\"del>"'), encoding="utf-8")
     (suite,) = xml.fromstring(junit(check([cases], jobs=1)))
     assert '<mo&"del>' in [test.get("name") for test in suite.iter("testcase")]
 
 
-def test_what_is_about_a_case_whose_name_is_not_in_its_file_is_at_its_first_line(cases: Path):
+def test_findings_of_a_case_without_a_name_in_its_file_are_at_line_1(cases: Path):
     path = put(cases, "nameless")
     path.write_text(path.read_text().replace('name = "nameless"\n', "", 1), encoding="utf-8")
     checks = check([path], jobs=1, changes=["name=given"])
@@ -136,7 +136,7 @@ def test_a_cause_without_a_line_of_firmware_gets_no_annotation(blamed: Any):
     assert github([one]) == []
 
 
-def test_annotations_escape_what_would_end_them(cases: Path):
+def test_annotations_escape_separators(cases: Path):
     path = put(cases / "a,b:c")
     path.write_text(path.read_text().replace('name = "model"', 'name = "100%:,"'), encoding="utf-8")
     put(cases / "a,b:c", "other")

@@ -1,4 +1,4 @@
-"""What a figure that changed is told as: two baselines of one budget go in, the sentence comes out."""
+"""Sentences about changed figures, from two baselines of a budget."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CHAIN = ["0 START", "100 W"]
 
 
 def case(budgets: dict[str, dict[str, Any]], **more: Any) -> Baseline:
-    """Budgets of a time with a worst and a least occurrence, each with these figures in place of the usual ones.
+    """Build a baseline of time budgets, each with a worst and a least occurrence, and these figures besides defaults.
 
     A cycle is 20 ticks.
     """
@@ -31,7 +31,7 @@ def changed(before: Baseline, now: Baseline, tolerance: int = 0) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("unit", "was", "came", "told"),
+    ("unit", "was", "result", "expected"),
     [
         ("time", 200, 300, "b worst 10 -> 15 cycles"),
         ("count", 2, 3, "b worst 2 -> 3"),
@@ -40,12 +40,14 @@ def changed(before: Baseline, now: Baseline, tolerance: int = 0) -> list[str]:
         ("LSB", 1_500_000, 2_000_000, "b worst 1.500000 -> 2.000000 LSB"),
     ],
 )
-def test_a_changed_value_is_told_with_its_unit(unit: str, was: int, came: int, told: str):
-    assert changed(case({"b": {"unit": unit, "worst": was}}), case({"b": {"unit": unit, "worst": came}})) == [told]
+def test_a_changed_value_is_reported_with_its_unit(unit: str, was: int, result: int, expected: str):
+    assert changed(case({"b": {"unit": unit, "worst": was}}), case({"b": {"unit": unit, "worst": result}})) == [
+        expected
+    ]
 
 
 @pytest.mark.parametrize(
-    ("figure", "now", "told"),
+    ("figure", "now", "expected"),
     [
         ("case", "two", "case one -> two"),
         ("simulated", 6001, "simulated 6000 -> 6001"),
@@ -56,21 +58,21 @@ def test_a_changed_value_is_told_with_its_unit(unit: str, was: int, came: int, t
         ("counts", {"polls_skipped": 5}, "polls skipped 0 -> 5 (note)"),
     ],
 )
-def test_figures_of_the_case(figure: str, now: Any, told: str):
-    assert changed(case({}), case({}, **{figure: now})) == [told]
+def test_changed_figures_of_the_case_are_reported(figure: str, now: Any, expected: str):
+    assert changed(case({}), case({}, **{figure: now})) == [expected]
 
 
-def test_a_count_that_is_gone_is_0_now():
+def test_a_missing_count_is_reported_as_0():
     assert changed(case({}, counts={"nacks": 2, "starts": 1}), case({}, counts={"starts": 1})) == ["nacks 2 -> 0"]
 
 
-def test_budgets_that_came_and_went():
-    told = ["new: a new budget, not in the baseline", "gone: in the baseline, but not a budget of the case"]
-    assert changed(case({"gone": {}, "same": {}}), case({"new": {}, "same": {}})) == told
+def test_new_and_removed_budgets_are_reported():
+    expected = ["new: a new budget, not in the baseline", "gone: in the baseline, but not a budget of the case"]
+    assert changed(case({"gone": {}, "same": {}}), case({"new": {}, "same": {}})) == expected
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told", "kept"),
+    ("before", "now", "expected", "kept"),
     [
         (["a", "b"], ["a", "c"], f"first among bytes {PART + 1} to {2 * PART} of the run", ("b", "c")),
         (["a", "b"], ["c", "d"], f"first among bytes 1 to {PART} of the run", ("a", "c")),
@@ -79,15 +81,17 @@ def test_budgets_that_came_and_went():
         ([], ["a", "b"], "--update-baseline adds them", (None, "a")),
     ],
 )
-def test_bytes_of_the_bus(before: list[str], now: list[str], told: str, kept: tuple[str | None, str]):
+def test_the_first_part_of_the_bus_bytes_that_differs_is_reported(
+    before: list[str], now: list[str], expected: str, kept: tuple[str | None, str]
+):
     (change,) = compare(case({}, bus_bytes=before), case({}, bus_bytes=now))
-    assert change.text.endswith(told) and change.note == (not before)
+    assert change.text.endswith(expected) and change.note == (not before)
     assert (change.before, change.now) == kept
     assert compare(case({}, bus_bytes=now), case({}, bus_bytes=now)) == []
 
 
 @pytest.mark.parametrize(
-    ("now", "tolerance", "told"),
+    ("now", "tolerance", "expected"),
     [
         ({}, 0, []),
         ({"measure": "that"}, 0, ["b measure it -> that"]),
@@ -105,15 +109,17 @@ def test_bytes_of_the_bus(before: list[str], now: list[str], told: str, kept: tu
         ({"count": 4}, 1, ["b count 3 -> 4"]),
     ],
 )
-def test_figures_of_a_budget_and_their_tolerance(now: dict[str, Any], tolerance: int, told: list[str]):
-    assert changed(case({"b": {}}), case({"b": now}), tolerance) == told
+def test_changed_figures_of_a_budget_beyond_the_tolerance_are_reported(
+    now: dict[str, Any], tolerance: int, expected: list[str]
+):
+    assert changed(case({"b": {}}), case({"b": now}), tolerance) == expected
 
 
 NUMBER = {"unit": "words", "count": 7, "worst": 7, "worst_at": 60, "least": 7, "least_at": 60}
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "now", "expected"),
     [
         ({}, {"count": 8, "worst": 8, "least": 8}, "worst"),  # a count is its only number
         ({}, {"worst": 8, "least": 8}, "worst"),
@@ -125,16 +131,16 @@ NUMBER = {"unit": "words", "count": 7, "worst": 7, "worst_at": 60, "least": 7, "
         ({"unit": "time"}, {"unit": "time", "count": 8, "worst": 8, "least": 8}, "worst, least, count"),
     ],
 )
-def test_a_budget_of_one_number_tells_it_once(before: dict[str, Any], now: dict[str, Any], told: str):
+def test_a_changed_number_of_a_budget_is_reported_once(before: dict[str, Any], now: dict[str, Any], expected: str):
     changes = compare(case({"b": NUMBER | before}), case({"b": NUMBER | now}))
-    assert ", ".join(change.figure.replace("_", " ") for change in changes) == told
+    assert ", ".join(change.figure.replace("_", " ") for change in changes) == expected
 
 
 def why(before: dict[str, Any], now: dict[str, Any], first_wrong: str = "") -> dict[str, str]:
-    """Explanations by figure."""
-    then, came = case({"b": before}), case({"b": now})
-    changes = compare(then, came)
-    explain(changes, then, came, first_wrong)
+    """Return the explanations by figure."""
+    then, result = case({"b": before}), case({"b": now})
+    changes = compare(then, result)
+    explain(changes, then, result, first_wrong)
     return {change.figure: change.why for change in changes}
 
 
@@ -142,7 +148,7 @@ LATER, MOVED = ["0 START", "140 W"], "W 2 cycles later"
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "now", "expected"),
     [
         ({"chain": CHAIN}, {"worst": 240, "least": 80, "chain": LATER}, {"worst": MOVED, "least": ""}),
         ({"chain": CHAIN}, {"worst": 240, "chain": CHAIN}, {"worst": "no event of its chain moved"}),
@@ -162,8 +168,8 @@ LATER, MOVED = ["0 START", "140 W"], "W 2 cycles later"
         ({"worst_at": None}, {"worst": 240, "worst_at": None, "chain": CHAIN}, {"worst": ""}),
     ],
 )
-def test_a_worst_value_is_explained_by_its_chain(before: dict[str, Any], now: dict[str, Any], told: dict[str, str]):
-    assert why(before, now) == told
+def test_a_worst_value_is_explained_by_its_chain(before: dict[str, Any], now: dict[str, Any], expected: dict[str, str]):
+    assert why(before, now) == expected
 
 
 def test_the_first_wrong_byte_explains_wrong_bytes_where_there_were_none():
@@ -178,7 +184,7 @@ def test_the_first_wrong_byte_explains_wrong_bytes_where_there_were_none():
     )
 
 
-def test_changes_of_budgets_that_came_or_went_and_of_the_case_are_not_explained():
+def test_changes_of_new_and_removed_budgets_and_of_the_case_are_not_explained():
     then, now = case({"gone": {"chain": CHAIN}}), case({"new": {"chain": LATER}}, events=2)
     changes = compare(then, now)
     explain(changes, then, now, "byte 7")
@@ -197,7 +203,7 @@ HOLDS = [f"b holds, but an access moved: {MOVED}"]
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "now", "expected"),
     [
         ({"chain": CHAIN}, {}, HOLDS),
         ({}, {}, []),
@@ -206,28 +212,30 @@ HOLDS = [f"b holds, but an access moved: {MOVED}"]
         ({"chain": CHAIN}, {"worst_at": None}, []),
         ({"chain": CHAIN, "worst_at": None}, {}, []),
         ({"chain": CHAIN}, {"worst_at": 60 + 3 * MS - 1}, []),
-        ({"chain": CHAIN}, {"worst_at": 60 + MS - 1}, HOLDS),  # the same, if it moved by less than a millisecond
+        ({"chain": CHAIN}, {"worst_at": 60 + MS - 1}, HOLDS),  # the same occurrence, since it moved by less than 1 ms
         ({"chain": CHAIN, "worst_at": 60 + MS - 1}, {}, HOLDS),
         ({"chain": CHAIN}, {"worst_at": 60 + MS}, []),
         ({"chain": CHAIN, "chain_of": "least"}, {"chain_of": "least", "worst_at": 3 * MS}, HOLDS),
     ],
 )
-def test_an_access_moved_though_the_figures_hold(before: dict[str, Any], now: dict[str, Any], told: list[str]):
-    assert moved(before, now) == told
+def test_a_moved_access_is_reported_if_the_figures_hold(
+    before: dict[str, Any], now: dict[str, Any], expected: list[str]
+):
+    assert moved(before, now) == expected
 
 
-@pytest.mark.parametrize(("tolerance", "told"), [(0, HOLDS), (1, HOLDS), (2, [])])
-def test_an_access_may_move_by_the_tolerance(tolerance: int, told: list[str]):
-    assert moved({"chain": CHAIN}, {}, tolerance) == told
+@pytest.mark.parametrize(("tolerance", "expected"), [(0, HOLDS), (1, HOLDS), (2, [])])
+def test_an_access_may_move_by_the_tolerance(tolerance: int, expected: list[str]):
+    assert moved({"chain": CHAIN}, {}, tolerance) == expected
 
 
-def test_each_moved_access_is_told_once_and_three_of_a_case():
+def test_each_moved_access_is_reported_once_and_at_most_three_per_case():
     def chains(*later: int) -> dict[str, EventLine]:
         return {f"b{n}": EventLine(["0 START", f"{100 + 20 * by} W"], ["", ""]) for n, by in enumerate(later)}
 
     budgets = case({f"b{n}": {"chain": CHAIN} for n in range(6)})
-    told = moved_accesses(budgets, budgets, chains(1, 1, 2, 0, 3, 4))
-    assert [(one.budget, one.text.rpartition("W ")[2]) for one in told] == [
+    expected = moved_accesses(budgets, budgets, chains(1, 1, 2, 0, 3, 4))
+    assert [(one.budget, one.text.rpartition("W ")[2]) for one in expected] == [
         ("b0", "1 cycle later"),
         ("b2", "2 cycles later"),
         ("b4", "3 cycles later"),
@@ -247,5 +255,5 @@ def test_each_moved_access_is_told_once_and_three_of_a_case():
         ({"chain_of": "least", "worst": None, "worst_at": None}, Wanted("it", 90, 100)),
     ],
 )
-def test_a_chain_is_wanted_of_the_occurrence_that_its_limit_is_about(figures: dict[str, Any], wanted: Wanted | None):
+def test_the_chain_explains_the_occurrence_that_the_limit_concerns(figures: dict[str, Any], wanted: Wanted | None):
     assert occurrence(case({"b": figures}).budgets["b"]) == wanted

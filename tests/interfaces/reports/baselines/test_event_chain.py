@@ -1,4 +1,4 @@
-"""The chain of an occurrence: which records belong to it, by its measure, and how each is named."""
+"""The event chain of an occurrence: which records belong to it, depending on its measure, and how each is named."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ US = TIMEBASE.ticks(Fraction(1, 10**6), "nearest")
 BEGIN = 7 * US  # of the run
 CASE: Any = SimpleNamespace(duration=Fraction(30, 1000))
 
-#            S   byte  W I  F   i  R  P   S   P   S           P       microseconds behind the run's begin
+#            S   byte  W I  F   i  R  P   S   P   S           P       microseconds after the begin of the run
 # ___________|___|_____|_|__|___|__|__|___|___|___|___________|____
 #            100 150   160  180 190   200 300 400 500         20000
 RECORDS = [
@@ -63,7 +63,7 @@ SHORT = {
 
 @pytest.fixture
 def lengths(monkeypatch: pytest.MonkeyPatch) -> list[Fraction]:
-    """Lengths of the runs, whose records are those above."""
+    """Return the list of lengths of the runs that are made. Each run emits the records above."""
     ran: list[Fraction] = []
 
     class RecordedScene:
@@ -95,7 +95,7 @@ def chain(measure: str, at: int, length: int) -> str:
     ("measure", "at", "length", "drawn"),
     [
         ("response", 150, 35, "S0 b50 W60 I70 F80 r85"),  # from the last START before it
-        ("response", 90, 20, "S10 r20"),  # where none is before it, from its instant
+        ("response", 90, 20, "S10 r20"),  # without a START before it, from its instant
         ("response", 300, 5, "S0 r5"),
         ("response", 350, 5, "S0 r55"),
         ("response", 5500, 10, "S0 r5010"),
@@ -107,9 +107,9 @@ def chain(measure: str, at: int, length: int) -> str:
         ("round", 100, 100, "S0 I70 F80 i90 P100"),
         ("round", 190, 19_810, "i0 P10 S110 P210 S310 P19810"),
         ("span: model", 160, 25, "W0 I10 F20"),
-        ("stretch", 150, 5, "b0 W10 I20 F30 i40 P50"),  # to the STOP behind it
+        ("stretch", 150, 5, "b0 W10 I20 F30 i40 P50"),  # to the STOP after it
         ("stretch", 200, 5, "P0"),
-        ("stretch", 450, 5, "S50"),  # or 5 ms, where there is none
+        ("stretch", 450, 5, "S50"),  # or 5 ms without a STOP
     ],
 )
 def test_a_chain_has_the_events_of_its_occurrence(
@@ -118,18 +118,18 @@ def test_a_chain_has_the_events_of_its_occurrence(
     assert chain(measure, at, length) == drawn
 
 
-def test_places_in_firmware_stand_beside_what_it_did(lengths: list[Fraction]):
+def test_events_of_firmware_have_their_place(lengths: list[Fraction]):
     (found,) = chains(CASE, {"it": Wanted("span: model", 150 * US, 25 * US)}).values()
     assert [place.partition(" ")[0] for place in found.places] == ["", "answer:12", ""]
 
 
 @pytest.mark.parametrize(("at", "run"), [(150, "5.19"), (22_000, "27.04"), (27_000, "30")])
-def test_the_run_ends_5_ms_behind_the_last_occurrence_or_with_the_case(lengths: list[Fraction], at: int, run: str):
+def test_the_run_ends_5_ms_after_the_last_occurrence_or_with_the_case(lengths: list[Fraction], at: int, run: str):
     chains(CASE, {"first": Wanted("round", 10 * US, 20 * US), "last": Wanted("response", at * US, 40 * US)})
     assert lengths == [Fraction(run) / 1000]
 
 
-def test_nothing_is_run_where_no_chain_is_wanted(lengths: list[Fraction]):
+def test_without_a_wanted_chain_nothing_is_run(lengths: list[Fraction]):
     assert chains(CASE, {}) == {} and lengths == []
 
 
@@ -145,7 +145,7 @@ START, WRITE, ENTER = "START gyroscope on the bus", "I2C-A.I2CDXR written by dsp
 
 # before, now: "S0 W5" is a START after 0 cycles and a write after 5; I is an interrupt's entry.
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "now", "wanted"),
     [
         ("", "", ""),
         ("S0 W5", "S0 W5", ""),
@@ -161,8 +161,8 @@ START, WRITE, ENTER = "START gyroscope on the bus", "I2C-A.I2CDXR written by dsp
         ("S0 W0", "S0", f"{WRITE} is missing, which was after 0 cycles"),
     ],
 )
-def test_what_is_told(before: str, now: str, told: str):
-    assert first_divergence(lines(before), lines(now), str) == told
+def test_the_first_divergence_is_described(before: str, now: str, wanted: str):
+    assert first_divergence(lines(before), lines(now), str) == wanted
 
 
 def lines(drawn: str) -> list[str]:
@@ -171,7 +171,7 @@ def lines(drawn: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "now", "wanted"),
     [
         ("S0 W5", "S0 W7", ""),  # within the tolerance of two
         ("S0 W5", "S0 W3", ""),
@@ -185,9 +185,9 @@ def lines(drawn: str) -> list[str]:
         ("S0 W5 I6", "S0 W5", f"{ENTER} is missing, which was after 6 cycles"),
     ],
 )
-def test_the_first_that_moved_beyond_the_tolerance_is_told_with_its_place(before: str, now: str, told: str):
+def test_the_first_event_that_moved_beyond_the_tolerance_is_named_with_its_place(before: str, now: str, wanted: str):
     chain = EventLine(lines(now), ["", "f:1", "f:2", "f:3"])
-    assert first_moved(lines(before), chain, str, 2) == told
+    assert first_moved(lines(before), chain, str, 2) == wanted
 
 
 def digests(values: list[int], start: int = 0) -> list[str]:
@@ -200,7 +200,7 @@ def digests(values: list[int], start: int = 0) -> list[str]:
     return sent.bus_bytes
 
 
-def test_times_do_not_count_and_values_do():
+def test_digests_of_bus_bytes_depend_on_values_and_not_on_times():
     values = [*range(3 * PART)]
     assert digests(values) == digests(values, start=1000) and len(digests(values)) == 3
     assert len(digests(values[:-1])) == 3 and digests([]) == []
@@ -215,8 +215,8 @@ def test_digests_differ_from_the_part_with_the_first_other_byte_on(place: int):
 
 
 @pytest.mark.parametrize("change", [None, "unit.imu.settings.noise_seed=2", "host.motion.angles.0.amplitude='31 deg'"])
-def test_a_check_of_two_dsps_finds_data_that_are_other_ones_and_right(change: str | None):
-    """Other noise, or another motion: the bytes are right by the budget, at the same times, and not the baseline's."""
+def test_a_check_of_two_dsps_finds_data_that_differ_but_are_correct(change: str | None):
+    """With other noise or another motion, the bytes are correct at the same times, but differ from the baseline's."""
     path = TIMING / "two_dsps.toml"
     kept = read(baseline_path(path))
     assert kept is not None and len(kept.bus_bytes) == -(-kept.counts["I2C bytes"] // PART)
@@ -226,4 +226,4 @@ def test_a_check_of_two_dsps_finds_data_that_are_other_ones_and_right(change: st
     where = "first among bytes 1 to 64 of the run"
     expected = [f"bytes on the bus differ from the baseline, {where}"]
     assert changes == ([] if change is None else expected)
-    assert outcome.figures.digest == kept.digest  # of times alone
+    assert outcome.figures.digest == kept.digest  # it covers times only

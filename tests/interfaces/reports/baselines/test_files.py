@@ -1,4 +1,4 @@
-"""Baseline files: what is refused and what to do, and that they are written whole and together."""
+"""Baseline files: rejected files and the advice given, and writing of complete files, all together or none."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ baselines = st.builds(
 
 
 @given(baselines)
-def test_what_is_written_is_read(baseline: Baseline):
+def test_a_written_baseline_reads_back_equal(baseline: Baseline):
     text = text_of(baseline)
     assert Baseline.model_validate(json.loads(text)) == baseline
     assert text == json.dumps(json.loads(text), indent=2, sort_keys=True, ensure_ascii=False) + "\n"
@@ -73,7 +73,7 @@ def test_what_is_written_is_read(baseline: Baseline):
         ('{"schema_version": 1}', "case: it is missing; write it again with --update-baseline"),
     ],
 )
-def test_another_file_is_refused_with_what_to_do_and_an_update_replaces_it(cases: Path, text: str, sentence: str):
+def test_an_invalid_file_is_rejected_with_advice_and_an_update_replaces_it(cases: Path, text: str, sentence: str):
     path = baseline_path(cases / "small.toml")
     good = path.read_bytes()
     path.write_bytes(text.encode("latin-1"))
@@ -112,19 +112,19 @@ def test_a_full_disk_leaves_every_old_baseline(cases: Path, monkeypatch: pytest.
 
 @pytest.mark.posix("permissions")
 @pytest.mark.skipif(os.name == "posix" and os.geteuid() == 0, reason="root may write anywhere")
-def test_a_place_that_cannot_be_written_to_is_told(tmp_path: Path):
+def test_a_read_only_folder_is_an_error(tmp_path: Path):
     tmp_path.chmod(0o500)
     with pytest.raises(BadCheck, match="the folder cannot be created"):
         write_all({tmp_path / "baselines" / "x.json": ""})
 
 
-def test_a_file_where_the_folder_should_be_is_told(tmp_path: Path):
+def test_a_file_in_place_of_the_folder_is_an_error(tmp_path: Path):
     (tmp_path / "baselines").write_text("", encoding="utf-8")
     with pytest.raises(BadCheck, match="the folder cannot be created"):
         write_all({tmp_path / "baselines" / "x.json": ""})
 
 
-def test_folders_are_made_for_baselines(tmp_path: Path):
+def test_folders_for_baselines_are_created(tmp_path: Path):
     path = tmp_path / "kept" / "baselines" / "one.json"
     for text in ("{}", "[]"):
         write_all({path: text})

@@ -1,4 +1,4 @@
-"""A check that is stopped or that contains cases which cannot be compared: what is judged, what is refused."""
+"""A check that is interrupted or has cases that cannot be compared: which cases are judged and which are rejected."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from tests.interfaces.reports.baselines.desk import put
 
 
 def stops_after(wanted: float) -> Callable[[float], None]:
-    def told(part: float) -> None:
+    def on_progress(part: float) -> None:
         assert part == wanted
         raise KeyboardInterrupt
 
-    return told
+    return on_progress
 
 
-def test_the_part_done_is_told_after_each_case(cases: Path):
+def test_progress_is_reported_after_each_case(cases: Path):
     for name in ("y", "z"):
         put(cases, name)
     parts: list[float] = []
@@ -31,8 +31,8 @@ def test_the_part_done_is_told_after_each_case(cases: Path):
     assert parts == [1 / 3, 2 / 3, 1]
 
 
-def test_cases_that_ran_before_a_check_was_stopped_are_judged_without_second_runs(cases: Path):
-    """No reason beside the figures and no chain of causes: both take another run."""
+def test_cases_that_ran_before_the_interruption_are_judged_without_second_runs(cases: Path):
+    """The findings have neither reasons nor chains of causes, because both need another run."""
     put(cases, sdir_wait=False)
     late = put(cases, "z")
     refused: list[RejectedCase] = []
@@ -43,7 +43,7 @@ def test_cases_that_ran_before_a_check_was_stopped_are_judged_without_second_run
 
 
 @pytest.mark.parametrize("update", [False, True])
-def test_a_check_without_reports_of_single_cases_and_an_update_stop_at_once(cases: Path, update: bool):
+def test_an_update_or_a_check_without_a_callback_stops_at_once(cases: Path, update: bool):
     before = baseline_path(put(cases, wait=3000)).read_bytes()
     for on_refused in (None, pytest.fail) if update else (None,):
         with pytest.raises(KeyboardInterrupt):
@@ -51,7 +51,7 @@ def test_a_check_without_reports_of_single_cases_and_an_update_stop_at_once(case
     assert baseline_path(cases / "small.toml").read_bytes() == before
 
 
-def test_a_case_that_others_drive_is_passed_over_where_refused_cases_are_reported(cases: Path):
+def test_a_case_driven_from_outside_is_skipped_if_rejected_cases_are_reported(cases: Path):
     driven = put(cases, "driven")
     driven.write_text(driven.read_text() + '[outside]\nwires = ["SDA", "SCL"]\n', encoding="utf-8")
     for update in (False, True):
@@ -65,7 +65,7 @@ def test_a_case_that_others_drive_is_passed_over_where_refused_cases_are_reporte
 
 
 @pytest.mark.parametrize("on_refused", [None, pytest.fail])
-def test_a_case_that_cannot_run_leaves_all_baselines_as_they_were(cases: Path, on_refused: Any):
+def test_a_case_that_cannot_run_leaves_all_baselines_unchanged(cases: Path, on_refused: Any):
     before = baseline_path(put(cases, wait=3000)).read_bytes()
     bad = put(cases, "zz", does="raise ValueError('boom')")
     with pytest.raises(BadCheck, match=r"^dsp: ValueError at line .* of .*zz_firmware.py: boom$"):

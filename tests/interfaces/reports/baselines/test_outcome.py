@@ -1,4 +1,4 @@
-"""One run of a case: what its figures hold, and what is told of firmware that holds the bus."""
+"""One run of a case: the figures in its outcome, and the report of firmware that holds the bus."""
 
 from __future__ import annotations
 
@@ -37,10 +37,8 @@ def test_a_case_without_units_counts_ticks_and_keeps_no_values(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("end", "held_since"), [("85 ms", ""), ("115 ms", "110.295 ms")])
-def test_firmware_that_holds_scl_when_the_run_ends_is_told_by_its_last_report(
-    tmp_path: Path, end: str, held_since: str
-):
-    """It computes for 33 ms before it answers, in each of the rounds at 5, 45 and 85 ms; a report takes 25 ms."""
+def test_firmware_that_holds_scl_at_the_end_of_the_run_is_reported(tmp_path: Path, end: str, held_since: str):
+    """The firmware computes 33 ms before it answers the rounds at 5, 45 and 85 ms. A hold is reported after 25 ms."""
     ran = outcome(put(tmp_path, wait=5_000_000), f"duration={end}")
     held = f"SCL is held low by dsp.GPIO33 at {held_since}: dsp computes at line 110 of small_firmware.py"
     assert ran.trouble == ([held] if held_since else [])
@@ -48,10 +46,10 @@ def test_firmware_that_holds_scl_when_the_run_ends_is_told_by_its_last_report(
 
 
 @pytest.mark.parametrize(
-    ("silent", "at", "start", "told"),
+    ("silent", "at", "start", "shown"),
     [(False, 0, 0, 0), (False, 7, 4, 3), (False, -1, 0, None), (True, 7, 4, None), (True, -1, 0, None)],
 )
-def test_instants_count_from_the_begin_of_the_run(silent: bool, at: int, start: int, told: int | None):
+def test_instants_are_relative_to_the_begin_of_the_run(silent: bool, at: int, start: int, shown: int | None):
     measure = SimpleNamespace(silent=silent, unit="time", count=1, worst=5, worst_at=at, least=3, least_at=at)
     part = SimpleNamespace(budget=SimpleNamespace(name="b", measure="it", max=9), measure=measure)
     scene: Any = SimpleNamespace(
@@ -62,7 +60,7 @@ def test_instants_count_from_the_begin_of_the_run(silent: bool, at: int, start: 
     found = baseline_of(scene, result)
     assert found.simulated == 10 - start
     figures = found.budgets["b"]
-    assert (figures.worst_at, figures.least_at) == (told, told)
+    assert (figures.worst_at, figures.least_at) == (shown, shown)
     assert (figures.worst, figures.least) == ((None, None) if silent else (5, 3))
 
 

@@ -62,7 +62,7 @@ def test_each_budget_has_its_value_its_limit_and_its_change(repository: Path):
     assert "line 3: a \\| b c" in text
 
 
-def test_changes_have_the_unit_of_their_budget_and_say_which_value_they_are_of(repository: Path):
+def test_changes_have_their_unit_and_the_name_of_their_value(repository: Path):
     case, firmware = repository / "small.toml", repository / "small_firmware.py"
     more = '[[budget]]\nname = "busy"\nmeasure = "cpu load"\nmax = "90 %"\n'
     more += '[[budget]]\nname = "floor"\nmeasure = "period of edge SCL fall"\nmin = "1 us"\n'
@@ -85,7 +85,7 @@ def test_without_a_commit_there_is_no_change(repository: Path):
     assert text.count("✅") == 1
 
 
-def test_what_git_cannot_say_is_refused_in_a_sentence(repository: Path, tmp_path: Path, monkeypatch):
+def test_a_state_that_git_does_not_have_is_one_error_message(repository: Path, tmp_path: Path, monkeypatch):
     baseline = repository / "baselines" / "small.json"
     with pytest.raises(BadCheck, match=r"^--since origin/main: the clone .* does not contain this commit; fetch it "):
         baselines_at("origin/main", [baseline])
@@ -123,15 +123,15 @@ def test_annotations_are_relative_to_the_repository(repository: Path, monkeypatc
 
 
 def test_the_action_checks_a_pull_request(repository: Path, tmp_path: Path):
-    """The shell steps of action.yml run in a fresh clone, as a runner would run them."""
-    clone, said = tmp_path / "clone", tmp_path / "summary.md"
+    """The shell steps of action.yml run in a fresh clone, as on a runner."""
+    clone, message = tmp_path / "clone", tmp_path / "summary.md"
     git(tmp_path, "clone", "-q", "--depth=1", f"file://{Path.cwd()}", str(clone))
     put(clone / repository, sdir_wait=False)
     (step,) = (
         one for one in yaml.safe_load((ROOT / "action.yml").read_text())["runs"]["steps"] if one.get("name") == "Check"
     )
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    own = {"PATHS": "cases", "BASE": "main", "GITHUB_STEP_SUMMARY": str(said), "PATH": path, "PYTHONPATH": str(ROOT)}
+    own = {"PATHS": "cases", "BASE": "main", "GITHUB_STEP_SUMMARY": str(message), "PATH": path, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
         ["bash", "-e", "-o", "pipefail", "-c", step["run"]],
         cwd=clone,
@@ -141,6 +141,6 @@ def test_the_action_checks_a_pull_request(repository: Path, tmp_path: Path):
         check=False,
     )
     assert done.returncode == 1, done.stderr
-    assert table(said.read_text(), "small")["wrong bytes"] == ["12", "0", "broken", "+12"]
+    assert table(message.read_text(), "small")["wrong bytes"] == ["12", "0", "broken", "+12"]
     assert "\n::error file=cases/small.toml,line=" in done.stdout
     assert {one.name for one in clone.glob("periph-sim.*")} == {"periph-sim.xml", "periph-sim.html"}

@@ -1,4 +1,4 @@
-"""Calls in processes of their own: how many at a time, and what happens to the others when one fails."""
+"""Calls in worker processes: the number at a time, and the other calls after one has failed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MODULE = sys.modules[workers.__module__]
 
 
 class Threads:
-    """In place of ThreadPoolExecutor: notes what it is asked for, and makes each call at once."""
+    """A replacement of ThreadPoolExecutor that records its use and makes each call at once."""
 
     asked: list[Any] = []
 
@@ -42,7 +42,7 @@ class Threads:
 
 
 @pytest.fixture(autouse=True)
-def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
+def replacements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(MODULE, "ThreadPoolExecutor", Threads)
     monkeypatch.setattr(MODULE, "call_alone", lambda work, *arguments: ("alone", work(*arguments)))
     monkeypatch.setattr(MODULE, "end_workers", lambda: Threads.asked.append("workers ended"))
@@ -59,10 +59,10 @@ def name(path: Path, ending: str) -> str:
         *[(1, 9, 4, 0), (None, 1, 4, 0), (4, 1, 4, 0), (None, 0, 4, 0)],
     ],
 )
-def test_so_many_calls_are_made_at_a_time_each_in_one_process_but_one_job_or_one_call_in_this_process(
+def test_one_job_or_one_call_runs_in_this_process_and_others_in_worker_processes(
     monkeypatch: pytest.MonkeyPatch, jobs: int | None, calls: int, cores: int | None, at_a_time: int
 ):
-    """at_a_time: 0 for calls in this process."""
+    """An at_a_time of 0 means calls in this process."""
     Threads.asked = []
     monkeypatch.setattr(os, "cpu_count", lambda: cores)
     with workers(jobs, calls) as start:
@@ -70,14 +70,14 @@ def test_so_many_calls_are_made_at_a_time_each_in_one_process_but_one_job_or_one
     assert Threads.asked == ([at_a_time] if at_a_time else [])
 
 
-def test_after_an_error_or_ctrl_c_no_other_call_is_begun_and_those_under_way_are_ended():
+def test_an_error_or_ctrl_c_cancels_pending_calls_and_ends_running_ones():
     for error in (KeyboardInterrupt, ValueError):
         with pytest.raises(error), workers(2, 9):
             raise error
         assert Threads.asked == [2, {"wait": False, "cancel_futures": True}, "workers ended"]
 
 
-def test_garbage_of_earlier_runs_is_collected_by_this_thread_before_others_begin():
+def test_garbage_of_earlier_runs_is_collected_before_worker_threads_start():
     class Ring:
         pass
 

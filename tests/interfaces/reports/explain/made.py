@@ -1,6 +1,6 @@
-"""Windows made by hand: what a CPU did, drawn as text, goes in; a Window comes out.
+"""Windows built by hand: a Window is made from text that describes the activity of a CPU.
 
-drawn("span model 0 100", "irq SCIRXINTA 20 30")      name, begin, end in ticks; end "-" for one that goes on
+drawn("span model 0 100", "irq SCIRXINTA 20 30")      name, begin, end in ticks; end "-" for an activity that continues
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from periph_sim.traces.capture.capture import Capture, Span
 
 
 def explain(*case_and_verdicts: Any, **names: Any) -> dict[str, Explained]:
-    """The explanations of worst occurrences, by the names of their budgets."""
+    """Return the explanations of worst occurrences by the names of their budgets."""
     return {one.window.verdict.name: one for one in explain_all(*case_and_verdicts, **names)}
 
 
 def run_and_explain(made: Case, program: Callable[[Dsp], None] | None = None) -> dict[str, Explained]:
-    """Run a case, and explain the worst occurrences. program: what its unit dsp executes; None for what it states."""
+    """Run a case and explain its worst occurrences. `program` replaces the firmware of the unit dsp, if it is given."""
     programs = {} if program is None else {"dsp": Firmware("given", lambda dsp, settings: program(dsp), None)}
     scene = Scene(made, programs=programs)
     return explain(made, scene.run().budgets, scene.typical(), programs=programs)
@@ -44,7 +44,7 @@ TIMEBASE = Timebase(150_000_000)
 
 
 def drawn(*episodes: str, begin: int = 0, end: int = 100, kept: tuple[Span, ...] = (Span(-50, 150),)) -> Window:
-    """A window of unit "dsp"; what began before it is kept is in `before`."""
+    """Return a window of the unit "dsp". Records from before `kept` are in its `before`."""
     moves: list[tuple[int, Kind, str]] = []
     for text in episodes:
         kind, name, first, last = text.split()

@@ -1,8 +1,8 @@
-"""Chains, whole as lines and as JSON, and those of pins that the firmware moves: the blame, and where the time went.
+"""Chains as text and JSON, and chains of pins that the firmware drives: what is blamed, and where the time was spent.
 
-- which part of the worst occurrence is blamed, beside the least critical one
-- time that went into code without a name, which nothing was recorded of: told by what the firmware did next
-- why a watched wire's edge was late: what moved it, and which line of the firmware; or that nothing did
+- which part of the worst occurrence is blamed, compared with the least critical one
+- time in code without a name and without records, which is described by the access that follows it
+- why a watched wire's edge was late: what caused it and at which line of the firmware, or that no edge occurred
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ UNIT = {"firmware": "pulses", "modules": ["GPIO"], "pins": {"GOOD": 34}}
 
 
 def pulses(dsp: Dsp) -> None:
-    """Pulses of 2.32 ms and 2.41 ms: work is of one length, rest is longer in the second, and extra is shorter.
+    """Make pulses of 2.32 ms and 2.41 ms: `work` is equal in both, `rest` is longer in the second, `extra` is shorter.
 
     GOOD  __|~~ work 1.8 ~~ rest 0.5 ~ extra 0.02 ~|_____|~~ work 1.8 ~~ rest 0.6 ~~ extra 0.01 ~|____
     """
@@ -54,21 +54,21 @@ def high(program: Callable[[Dsp], None], duration: str, **limits: str) -> Chain:
 @pytest.mark.parametrize(
     ("limits", "blamed", "why"),
     [
-        # One pulse keeps the first limit, none the second.
+        # One pulse is within the first limit, none within the second.
         ({"max": "2.35 ms"}, "span rest", "100.000 us longer than in its least critical occurrence: span rest at"),
         ({"max": "1 ms"}, "span work", "Most of that time, 1.800 ms, went into span work at"),
         ({"min": "2.35 ms"}, "span rest", "100.000 us shorter than in its least critical occurrence: span rest at"),
         ({"min": "3 ms"}, "span work", "Most of that time, 1.800 ms, went into span work at"),
     ],
 )
-def test_only_a_typical_occurrence_that_keeps_the_limit_says_what_is_to_blame(
+def test_the_least_critical_occurrence_decides_the_blame_only_if_it_is_within_the_limit(
     limits: dict[str, str], blamed: str, why: str
 ):
     chain = high(pulses, "8 ms", **limits)
     assert chain.more and str(chain.blamed) == blamed
-    told = failure(chain.verdict, False, chain, None, chain.timebase.per_second)
-    assert told is not None and chain.verdict.broken
-    assert told.why == why and told.place.startswith("test_chain.py:")
+    shown = failure(chain.verdict, False, chain, None, chain.timebase.per_second)
+    assert shown is not None and chain.verdict.broken
+    assert shown.why == why and shown.place.startswith("test_chain.py:")
 
 
 # Code without a name ---------------------------------------------------------------------
@@ -85,7 +85,7 @@ def computed(cycles: int) -> Chain:
     return high(lambda dsp: pulse(dsp, cycles), "1 ms", max="100 ns")
 
 
-def test_a_long_computation_has_the_place_of_the_access_behind_it():
+def test_a_long_computation_has_the_place_of_the_access_after_it():
     blamed = computed(20_000).blamed
     assert blamed is not None and blamed.place is not None
     assert str(blamed) == "code before GPIO.GPBCLEAR written"
@@ -93,12 +93,12 @@ def test_a_long_computation_has_the_place_of_the_access_behind_it():
 
 
 @pytest.mark.parametrize("cycles", [20, 150, 151, 20_000])
-def test_the_parts_add_up_to_the_whole(cycles: int):
+def test_the_parts_add_up_to_the_length(cycles: int):
     chain = computed(cycles)
     assert sum(part.length for part in chain.parts) == chain.length
 
 
-def test_a_short_one_has_none():
+def test_a_short_computation_has_no_place():
     """Code of 1 us is reported as other code, longer code by the access that follows it."""
     assert [str(part) for part in computed(130).parts] == ["other code", "hardware, after GPIO.GPBCLEAR written"]
     assert "code before GPIO.GPBCLEAR written" in map(str, computed(200).parts)
@@ -113,10 +113,10 @@ STROBE = {"kind": "edges", "edges": [["0 s", "rise"], ["499 us", "fall"]], "sinc
     ("after", "steps"),
     [
         ("4.5 ms", ["TINT0 entered", "GPIO.GPATOGGLE written", "LED falls", "dsp: TINT0"]),
-        ("5.3 ms", ["dsp: IDLE"]),  # by the run's end no edge has come
+        ("5.3 ms", ["dsp: IDLE"]),  # no edge has occurred by the end of the run
     ],
 )
-def test_the_edge_is_traced_to_the_write_that_made_it(after: str, steps: list[str]):
+def test_a_late_edge_is_traced_to_the_write_that_caused_it(after: str, steps: list[str]):
     unit = {"image": str(SHIPPED / "blink.asm"), "modules": ["GPIO", "TIMER0"], "pins": {"LED": 31}}
     watch = {"strobe": {**STROBE, "wire": "LED", "after": after, "tolerance": "1 ns"}}
     duration = "5.5 ms" if after == "4.5 ms" else "5.35 ms"
@@ -149,7 +149,7 @@ CHAIN = Chain(
 HEAD = "stretch 97.953 us, at most 50.000 us allowed, at 0.105195 s"
 
 
-def test_a_chain_as_lines():
+def test_a_chain_is_formatted_as_lines():
     assert text(CHAIN) == [
         HEAD,
         "    -190.000 us             repeated START",
@@ -165,25 +165,25 @@ def test_a_chain_as_lines():
 
 
 @pytest.mark.parametrize(
-    ("ticks", "typical", "said"),
+    ("ticks", "typical", "message"),
     [(15 * US, 15 * US, "0.000 us"), (2, 1, "+0.000 us"), (1, 2, "-0.000 us"), (15 * US, None, "+15.000 us")],
 )
-def test_only_what_is_longer_has_a_plus(ticks: int, typical: int | None, said: str):
-    told = text(replace(CHAIN, length=ticks, typical=typical, steps=(), parts=()))[1]
+def test_only_a_longer_occurrence_has_a_plus_sign(ticks: int, typical: int | None, message: str):
+    shown = text(replace(CHAIN, length=ticks, typical=typical, steps=(), parts=()))[1]
     usual = f"{float(CHAIN.us(typical or 0)):.3f} us"
-    assert told == f"  {said} against {usual}, its least critical occurrence"
+    assert shown == f"  {message} against {usual}, its least critical occurrence"
 
 
-@pytest.mark.parametrize(("us", "said"), [(9999, "9999.000 us"), (10_000, "10.000 ms"), (-10_000, "-10.000 ms")])
-def test_from_ten_milliseconds_on_a_length_is_told_in_them(us: int, said: str):
-    assert text(replace(CHAIN, steps=(Step(us * US, "SCL rises"),)))[1] == f"    {said}  SCL rises"
+@pytest.mark.parametrize(("us", "message"), [(9999, "9999.000 us"), (10_000, "10.000 ms"), (-10_000, "-10.000 ms")])
+def test_lengths_of_ten_milliseconds_or_more_are_in_milliseconds(us: int, message: str):
+    assert text(replace(CHAIN, steps=(Step(us * US, "SCL rises"),)))[1] == f"    {message}  SCL rises"
 
 
-def test_of_many_parts_the_six_largest_are_told():
+def test_the_six_largest_of_many_parts_are_listed():
     lengths = (1, 7, 3, -6, 5, 2, 4)
-    told = text(replace(CHAIN, steps=(), parts=(), more=tuple(Part("span", f"s{n}", n * US) for n in lengths)))
-    assert [line.rpartition(" ")[2] for line in told[2:]] == ["s7", "s-6", "s5", "s4", "s3", "s2"]
-    assert told[2:4] == ["    +7.000 us  span s7", "    -6.000 us  span s-6"]
+    shown = text(replace(CHAIN, steps=(), parts=(), more=tuple(Part("span", f"s{n}", n * US) for n in lengths)))
+    assert [line.rpartition(" ")[2] for line in shown[2:]] == ["s7", "s-6", "s5", "s4", "s3", "s2"]
+    assert shown[2:4] == ["    +7.000 us  span s7", "    -6.000 us  span s-6"]
 
 
 @pytest.mark.parametrize(
@@ -196,12 +196,12 @@ def test_of_many_parts_the_six_largest_are_told():
         ({"worst": None}, "stretch: nothing was measured"),
     ],
 )
-def test_the_head_tells_the_limit_by_its_key(changes: dict[str, object], head: str):
+def test_the_heading_describes_the_limit_by_its_key(changes: dict[str, object], head: str):
     bare = Chain(replace(VERDICT, **changes), TIMEBASE, 0, ())  # type: ignore[arg-type]
     assert text(bare) == [head]
 
 
-def test_a_chain_as_json():
+def test_a_chain_is_converted_to_json():
     file = {"file": "firmware/imu_hil.py"}
     assert as_json(CHAIN) == {
         "steps": [
@@ -227,5 +227,5 @@ def test_a_chain_as_json():
     assert bare["steps"] == [{"at_us": 0.0, "what": "SCL rises", "length_us": 0.0}]
 
 
-def test_a_file_elsewhere_keeps_its_whole_path():
+def test_a_file_outside_the_folder_keeps_its_whole_path():
     assert relative(Path("/elsewhere/imu_hil.py")) == Path("/elsewhere/imu_hil.py")

@@ -1,4 +1,4 @@
-"""Characters and their bits, held against the levels of which a line is made.
+"""Characters and their bits, compared with the levels from which the line is built.
 
 tick 100   110                        bits of 10 ticks
 S 1 0 1 0 0 0 0 P T T                 7 data bits, even parity, 2 stop bits
@@ -26,7 +26,7 @@ WIRE = "SCI-B.TX"
 
 
 def character(what: str = "end", end: int = 100 + BIT * FORM.length, expected: int | None = None) -> Character:
-    """The character 0x05 on a line."""
+    """Return the character 0x05 on a line."""
     window = drawn("span model 0 240", end=240, kept=(Span(0, 250),))
     line = channel_of(WIRE, 0, [99, *range(100, 210, BIT)], [1, *FORM.levels(5)], 250)
     frame = [Record(n, t, Kind.FRAME, WIRE, s, 5, "", 0) for n, t, s in ((8, 100, "begin"), (9, end, what))]
@@ -53,13 +53,13 @@ def test_a_character_is_divided_at_the_ends_of_its_bits() -> None:
 
 
 def test_a_character_of_another_length_is_not_divided() -> None:
-    """Its format was another one than at the end of the run. The next start bit may end a frame half a bit early."""
+    """Its format differs from that at the end of the run. The next start bit may end a frame half a bit early."""
     found = character(end=200)
     assert (found.bits, [*found.parts()]) == ((), [(100, 200, "0x05")])
     assert len(character(end=205).bits) == FORM.length
 
 
 @pytest.mark.parametrize(("what", "expected", "text"), [("error", None, "0x05"), ("end", 7, "0x05 not 0x07")])
-def test_a_wrong_character_says_what_was_expected(what: str, expected: int | None, text: str) -> None:
+def test_a_wrong_character_has_the_expected_value(what: str, expected: int | None, text: str) -> None:
     found = character(what, expected=expected)
     assert (found.text, found.error) == (text, what == "error")

@@ -1,4 +1,4 @@
-"""Chains of real runs: what they claim adds up, stands in the records, and names the right line of the firmware."""
+"""Chains of real runs: lengths add up, steps are in the records, and they name the right line of the firmware."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from tests.scene.small import case
 from tests.unwrapped import unwrapped
 
 SETTING = "unit.dsp.settings."
-LATE = (f"{SETTING}frame_cost=200 us", "host.first=4.24 ms")  # the service routine lies in the gyroscope's read
+LATE = (f"{SETTING}frame_cost=200 us", "host.first=4.24 ms")  # the service routine runs during the gyroscope's read
 
 
 def chains(case: Case, length: Fraction) -> dict[str, Chain]:
@@ -45,12 +45,12 @@ def chains(case: Case, length: Fraction) -> dict[str, Chain]:
 
 
 @cache
-def of(name: str, *changes: str, length: Fraction = Fraction(1, 8)) -> dict[str, Chain]:
+def chains_of(name: str, *changes: str, length: Fraction = Fraction(1, 8)) -> dict[str, Chain]:
     return chains(load(TIMING / f"{name}.toml", list(changes)), length)
 
 
 def measured(measure: str, *changes: str, name: str = "imu_hil_published", limit: str = 'max = "1 s"') -> Chain:
-    """The chain of a budget that a case does not have."""
+    """Return the chain of an additional budget of a case."""
     key, _, value = limit.partition(" = ")
     budget = Budget.model_validate({"name": "asked", "measure": measure, key: json.loads(value)})
     case = load(TIMING / f"{name}.toml", list(changes)).model_copy(update={"budget": (budget,)})
@@ -62,19 +62,19 @@ def said(chain: Chain) -> str:
 
 
 def line_of(chain: Chain, what: str) -> str:
-    """The line of source that the step of this beginning points at."""
+    """Return the source line of the first step that begins with this text."""
     place = next(step.place for step in chain.steps if step.what.startswith(what))
     assert place is not None and place.file is not None
     return linecache.getline(str(place.file), place.line).strip()
 
 
-def test_a_stretch_is_told_from_the_flag_to_the_write_that_ends_it():
-    chain = of("imu_hil_published", *LATE)["stretch"]
-    told = [step.what for step in chain.steps]
-    assert told == [
+def test_a_stretch_is_explained_from_the_flag_to_the_write_that_ends_it():
+    chain = chains_of("imu_hil_published", *LATE)["stretch"]
+    shown = [step.what for step in chain.steps]
+    assert shown == [
         "repeated START, gyroscope (0x68 R)",
         "SCI-A.SCIFFRX.RXFFINT set (the request that set it)",
-        told[2],
+        shown[2],
         "span frame",
         "address acknowledged",
         "SCL falls, pulled low by controller (the last input that had taken effect)",
@@ -85,7 +85,7 @@ def test_a_stretch_is_told_from_the_flag_to_the_write_that_ends_it():
         "I2C-A.I2CDXR written, 0x0003, for which SCL was held 97.800 us",
         "SCL rises",
     ]
-    assert told[2].startswith("SCIRXINTA entered, preempting the wait for I2C-A.I2CSTR.XRDY or SCD at imu_hil.py:")
+    assert shown[2].startswith("SCIRXINTA entered, preempting the wait for I2C-A.I2CSTR.XRDY or SCD at imu_hil.py:")
     assert line_of(chain, "SCIRXINTA") == "def sci_received(self) -> None:"
     assert line_of(chain, "I2C-A.I2CDXR written") == "i2c.I2CDXR.all = next(buffer)"
     assert chain.blamed is not None and chain.blamed.what == "frame"
@@ -94,12 +94,12 @@ def test_a_stretch_is_told_from_the_flag_to_the_write_that_ends_it():
 
 def test_a_stretch_that_the_run_cuts_off_does_not_end_with_a_rise():
     hang = (f"{SETTING}frame_cost=200 us", "host.first=4 ms")
-    chain = of("imu_hil_published", *hang, length=Fraction(12, 1000))["stretch"]
+    chain = chains_of("imu_hil_published", *hang, length=Fraction(12, 1000))["stretch"]
     assert chain.steps[-1].what == "SCL is still low: the run ends"
 
 
-def test_a_response_that_nobody_delayed_is_the_controllers_own_low_time():
-    chain = of("imu_hil_published")["response"]
+def test_an_undelayed_response_is_the_low_time_of_the_controller():
+    chain = chains_of("imu_hil_published")["response"]
     assert [(str(part), part.length) for part in chain.parts] == [("bits of gyroscope", 15000)]
     assert [step.what for step in chain.steps[-2:]] == [
         "I2C-A.I2CDXR written, 0x0000, 4.773 us before SCL is released",
@@ -107,35 +107,35 @@ def test_a_response_that_nobody_delayed_is_the_controllers_own_low_time():
     ]
 
 
-def test_a_round_is_its_transfers_its_gaps_and_what_held_scl():
-    chain = of("imu_hil_published", *LATE)["round complete"]
+def test_a_round_consists_of_its_transfers_its_gaps_and_holds_of_scl():
+    chain = chains_of("imu_hil_published", *LATE)["round complete"]
     names = {str(part): part.length for part in chain.parts}
     for chip in ("gyroscope", "accelerometer", "magnetometer"):
-        assert names[f"bits of {chip}"] == 840 * 3000  # 84 bits, however long SCL was held between them
+        assert names[f"bits of {chip}"] == 840 * 3000  # 84 bits, independent of the time that SCL was held between them
     assert names["bus free between two transfers"] == 2 * 50 * 3000
     assert any(step.what == "SCL held low by dsp: span frame, begun 102.520 us before" for step in chain.steps)
 
 
-def test_a_nack_is_told_with_the_address_that_the_module_had():
-    chain = of("late_model")["nacked rounds"]
+def test_a_nack_is_explained_by_the_own_address_of_the_module():
+    chain = chains_of("late_model")["nacked rounds"]
     assert "I2COAR = 0x00 written, 5094.447 us before the NACK" in said(chain)
     assert chain.blamed is not None and str(chain.blamed) == "span model"
-    later = of("wrong_order")["nacked rounds"]
+    later = chains_of("wrong_order")["nacked rounds"]
     assert "I2COAR = 0x53 written, 900.400 us too late" in said(later)
     assert line_of(later, "I2COAR = 0x53") == "i2c.I2COAR.all = address"
     assert later.blamed is not None and str(later.blamed) == "wait for I2C-A.I2CSTR.AAS"
 
 
 def test_a_hang_names_the_read_modify_write_that_cleared_the_flag():
-    """SCD = 1 writes back the whole register, and with it SDIR, which rose a moment before."""
-    chain = of("imu_hil_drift", f"{SETTING}frame_cost=200 us", length=Fraction(9, 20))["missed rounds"]
+    """SCD = 1 writes back the whole register and clears SDIR, which was set a moment before."""
+    chain = chains_of("imu_hil_drift", f"{SETTING}frame_cost=200 us", length=Fraction(9, 20))["missed rounds"]
     cleared = "I2C-A.I2CSTR.SDIR cleared by I2C-A.I2CSTR written, 0x5638"
     assert line_of(chain, cleared) == "i2c.I2CSTR.SCD = 1"
     assert line_of(chain, "wait for I2C-A.I2CSTR.SDIR begins, and goes on") == "dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)"
 
 
-def test_data_that_waits_for_a_round_is_told_with_the_round_it_missed():
-    chain = of("imu_hil_published", *LATE)["data age"]
+def test_old_data_is_explained_by_the_round_that_it_missed():
+    chain = chains_of("imu_hil_published", *LATE)["data age"]
     steps = [step.what.partition(",")[0] for step in chain.steps]
     assert steps == [
         "RX: 0x03 is over",
@@ -153,7 +153,7 @@ def test_data_that_waits_for_a_round_is_told_with_the_round_it_missed():
 FROM = "from flag I2C-A.I2CSTR.SDIR rise to access W I2C-A.I2CDXR"
 
 
-def test_two_events_are_told_with_their_causes_and_what_lay_between():
+def test_two_events_are_explained_with_their_causes_and_the_time_between():
     chain = measured(FROM)
     steps = [step.what for step in chain.steps]
     assert any(step.startswith("SCL falls, pulled low by controller (") for step in steps)
@@ -163,7 +163,7 @@ def test_two_events_are_told_with_their_causes_and_what_lay_between():
     assert sum(part.length for part in chain.parts) == chain.length > 0
 
 
-def test_a_request_that_nobody_took_says_so():
+def test_an_interrupt_request_that_is_not_taken_is_explained():
     chain = measured("interrupt latency SCIRXINTA", f"{SETTING}mask_during_i2c=true", "host.first=4.24 ms")
     assert "the CPU does not take it, and no other routine is served: interrupts are off" in said(chain)
     assert str(chain.parts[0]) == "wait for I2C-A.I2CSTR.XRDY or SCD"
@@ -172,7 +172,7 @@ def test_a_request_that_nobody_took_says_so():
 
 
 @pytest.mark.parametrize(
-    ("measure", "limit", "changes", "told"),
+    ("measure", "limit", "changes", "shown"),
     [
         ("period of bus START", 'max = "1 s"', (), ["controller: START (gyroscope)"]),
         ("jitter of bus START", 'max = "1 s"', (), [" 890.000 us controller: START (magnetometer): a period of"]),
@@ -205,9 +205,9 @@ def test_a_request_that_nobody_took_says_so():
         ),
     ],
 )
-def test_every_form_of_measure_is_explained(measure: str, limit: str, changes: tuple[str, ...], told: list[str]):
+def test_every_form_of_measure_is_explained(measure: str, limit: str, changes: tuple[str, ...], shown: list[str]):
     found = said(measured(measure, *changes, limit=limit))
-    assert [text for text in told if text in found] == told
+    assert [text for text in shown if text in found] == shown
 
 
 @given(
@@ -216,7 +216,7 @@ def test_every_form_of_measure_is_explained(measure: str, limit: str, changes: t
     model=st.integers(50, 900),
 )
 @settings(max_examples=6, deadline=None, phases=(Phase.explicit, Phase.generate))
-def test_whatever_the_phase_what_is_claimed_adds_up(first: int, frame_cost: int, model: int):
+def test_the_parts_of_chains_add_up_at_any_phase(first: int, frame_cost: int, model: int):
     changes = [f"host.first={first} us", f"{SETTING}frame_cost={frame_cost} us", f"{SETTING}model_cost={model} us"]
     for chain in chains(load(TIMING / "imu_hil_published.toml", changes), Fraction(28, 1000)).values():
         assert sum(part.length for part in chain.parts) == (chain.length if chain.parts else 0)
@@ -230,18 +230,18 @@ def test_whatever_the_phase_what_is_claimed_adds_up(first: int, frame_cost: int,
                 assert linecache.getline(str(step.place.file), step.place.line).strip()
 
 
-def test_json_says_what_the_text_says():
-    chain = of("imu_hil_published", *LATE)["stretch"]
-    told = json.loads(json.dumps(as_json(chain)))
-    assert told["length_us"] == 97.8333 and told["typical_us"] == 0
-    assert sum(part["length_us"] for part in told["parts"]) == pytest.approx(97.8333, abs=1e-3)
-    step = next(step for step in told["steps"] if step["what"].startswith("SCIRXINTA"))
+def test_json_has_the_contents_of_the_text():
+    chain = chains_of("imu_hil_published", *LATE)["stretch"]
+    shown = json.loads(json.dumps(as_json(chain)))
+    assert shown["length_us"] == 97.8333 and shown["typical_us"] == 0
+    assert sum(part["length_us"] for part in shown["parts"]) == pytest.approx(97.8333, abs=1e-3)
+    step = next(step for step in shown["steps"] if step["what"].startswith("SCIRXINTA"))
     assert (step["function"], step["length_us"]) == ("sci_received", 200.36)
     assert step["file"].endswith("firmware/python/imu_hil.py")
 
 
-def test_only_typical_occurrences_of_what_is_told_are_looked_for(monkeypatch: pytest.MonkeyPatch):
-    """Each occurrence more keeps all records around it."""
+def test_only_the_least_critical_occurrences_of_explained_budgets_are_recorded(monkeypatch: pytest.MonkeyPatch):
+    """Each additional occurrence keeps all records around it."""
     looked_for: list[Verdict] = []
     monkeypatch.setattr(
         import_module("periph_sim.interfaces.reports.explain.explain"),
@@ -270,8 +270,8 @@ CASE = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}})
         ([40], [20], ["SDA falls, and stays low", "SCL falls, and stays low"]),
     ],
 )
-def test_a_stuck_bus_is_told_by_the_lines_that_are_low_then(scl: list[int], sda: list[int], falls: list[str]):
-    """Edges of lines that begin high; reported at 60."""
+def test_a_stuck_bus_is_explained_by_the_lines_that_are_low(scl: list[int], sda: list[int], falls: list[str]):
+    """Edges of lines that begin high; the stuck bus is reported at 60."""
     window = drawn("wait AAS 0 -", begin=60, end=60)
     channels = tuple(Channel(name, i, 1, np.array(at)) for i, (name, at) in enumerate((("SCL", scl), ("SDA", sda))))
     verdict = replace(window.verdict, measure="stuck", unit="count")
@@ -279,8 +279,8 @@ def test_a_stuck_bus_is_told_by_the_lines_that_are_low_then(scl: list[int], sda:
     assert [step.what for step in chain.steps if "falls" in step.what] == falls
 
 
-def test_a_load_is_told_by_all_of_the_last_part_of_the_run():
-    """Its last tick is 149, which is 199 behind the first."""
+def test_a_load_is_explained_by_the_whole_last_part_of_the_run():
+    """The last tick is 149, which is 199 after the first."""
     window = drawn("span model 0 99", kept=(Span(-50, 150),))
     (step,) = chain_of(CASE, replace(window, verdict=replace(window.verdict, measure="cpu load", unit="%"))).steps
     assert (step.at, step.length) == (-50, 199)
@@ -291,7 +291,7 @@ def test_a_load_is_told_by_all_of_the_last_part_of_the_run():
 
 
 def answered(measure: str, cycles: int, data: Sequence[int] = (1,), pause: int = 20) -> Chain:
-    """Reads for each of which the firmware computes, before it writes the bytes. pause: cycles after each write."""
+    """The firmware computes before it writes the bytes of each read; `pause` is its number of cycles after a write."""
 
     def answer(i2c: Any, dsp: Dsp) -> None:
         while True:
@@ -313,7 +313,7 @@ def us_in(chain: Chain, what: str) -> float:
 
 @pytest.fixture
 def new_kinds(monkeypatch: pytest.MonkeyPatch):
-    """Measures that only this test registers, of records of each kind."""
+    """Register additional measures, of records of each kind, for this test."""
     rows = {
         "held": Sentence("value of record transfer stretch"),
         "freshness": MEASURES["age"],
@@ -329,7 +329,7 @@ def new_kinds(monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.usefixtures("new_kinds")
 @pytest.mark.parametrize("measure", ["response", "stretch", "each time in wire SCL low", "held"])
 def test_a_computation_before_the_answer_is_named_with_its_line(measure: str):
-    """100 us more of it are 100 us more there and nowhere else."""
+    """If it takes 100 us more, this part is 100 us longer, and no other part."""
     computed = "code before I2C-A.I2CDXR written"
     short, long = (answered(measure, cycles) for cycles in (7_500, 22_500))
     assert us_in(long, computed) - us_in(short, computed) == pytest.approx(100, abs=0.01)
@@ -338,24 +338,26 @@ def test_a_computation_before_the_answer_is_named_with_its_line(measure: str):
     assert str(long.blamed) == computed and line_of(long, "I2C-A.I2CDXR written") == "i2c.I2CDXR.all = byte"
 
 
-def test_a_hold_that_is_over_before_the_end_is_told_with_the_write_that_ended_it():
-    """Not with the write of the next byte, which comes before the end, too."""
+def test_a_hold_is_described_by_the_write_that_ended_it():
+    """It is not described by the write of the next byte, which is before the end, too."""
     chain = answered("from bus address read to bus byte", 7_500, data=(1, 2), pause=1_000)
-    (told,) = [step for step in chain.steps if "I2CDXR written" in step.what]
+    (shown,) = [step for step in chain.steps if "I2CDXR written" in step.what]
     (hold,) = [step for step in chain.steps if step.what.startswith("SCL held low by dsp")]
-    assert told.what == f"I2C-A.I2CDXR written, 0x0001, for which SCL was held {chain.timebase.show(told.at - hold.at)}"
+    assert (
+        shown.what == f"I2C-A.I2CDXR written, 0x0001, for which SCL was held {chain.timebase.show(shown.at - hold.at)}"
+    )
 
 
 @pytest.mark.parametrize("measure", ["stretch", "response"])
-def test_a_device_that_holds_scl_is_named_with_how_long(measure: str):
-    """The master's own low time of 5 us is a part of the bits."""
-    told = [
+def test_a_device_that_holds_scl_is_named_with_the_duration(measure: str):
+    """The master's own low time of 5 us belongs to the bits."""
+    shown = [
         chain_of_master(measure, SCRIPT, REQUESTS, stretch={"length": f"{length} us", "access": "read", "bytes": [1]})
         for length in (130, 230)
     ]
-    assert [us_in(one, "SCL held low by memory") for one in told] == pytest.approx([125, 225])
-    assert [sum(one.length for one in each.parts) for each in told] == [each.length for each in told]
-    assert "repeated START, memory (0x50 R)" in said(told[0]) and "held low by dsp" not in said(told[0])
+    assert [us_in(one, "SCL held low by memory") for one in shown] == pytest.approx([125, 225])
+    assert [sum(one.length for one in each.parts) for each in shown] == [each.length for each in shown]
+    assert "repeated START, memory (0x50 R)" in said(shown[0]) and "held low by dsp" not in said(shown[0])
 
 
 def test_a_frame_that_comes_late_has_no_cause_in_the_recording():
@@ -370,7 +372,7 @@ def test_a_frame_that_comes_late_has_no_cause_in_the_recording():
 
 @pytest.mark.usefixtures("new_kinds")
 @pytest.mark.parametrize(
-    ("name", "measure", "told"),
+    ("name", "measure", "shown"),
     [
         ("imu_hil_published", "freshness", "magnetometer (0x1E R), with older data"),
         ("imu_hil_no_sdir", "doubtful", "I2CDXR = 0x12 written, before the read's START"),
@@ -379,7 +381,7 @@ def test_a_frame_that_comes_late_has_no_cause_in_the_recording():
         ("imu_hil_published", "queue", "12 words in the FIFO"),
     ],
 )
-def test_a_budget_of_a_new_kind_is_explained_without_another_line(name: str, measure: str, told: str):
+def test_a_budget_of_a_new_measure_is_explained_without_new_code(name: str, measure: str, shown: str):
     found = measured(measure, name=name, limit='max = "1 us"' if measure == "freshness" else "max = 0")
-    assert any(step.what == told for step in found.steps), [step.what for step in found.steps]
+    assert any(step.what == shown for step in found.steps), [step.what for step in found.steps]
     assert sum(one.length for one in found.parts) == (found.length if found.parts else 0)

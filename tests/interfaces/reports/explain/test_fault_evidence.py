@@ -1,4 +1,7 @@
-"""The write, or the missing read, behind a wrong byte, ones on the bus, a hang; and the picture that shows it."""
+"""Causes of faults: the write or the missing read that led to a wrong byte, to ones on the bus or to a hang.
+
+The picture of the fault must show this cause.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.decode import i2c
 from tests.interfaces.reports.explain.made import drawn, run_and_explain
-from tests.interfaces.reports.explain.made import steps_of as said
+from tests.interfaces.reports.explain.made import steps_of as message
 from tests.records.scenes import line_of
 from tests.scene.runs import TIMING
 from tests.scene.small import case
@@ -42,7 +45,7 @@ def explained(
     duration: str = "8 ms",
     **controller: Any,
 ) -> Explained:
-    """The one budget of a scene in which `serve` is a slave at 0x50. start: it finds the module set up."""
+    """Explain the only budget of a scene with `serve` as a slave at 0x50. `start` sets up the module before."""
 
     def main(dsp: Dsp) -> None:
         i2c = dsp.module("I2C-A")
@@ -63,7 +66,7 @@ def explained(
 
 
 def place_of(one: Explained, words: str) -> str:
-    """Where the firmware did what a step says."""
+    """Return the place in the firmware of the first step that contains these words."""
     place = next(step.place for step in one.chain.steps if words in step.what)
     return f"{place.function}:{place.line}" if place else ""
 
@@ -77,7 +80,7 @@ def other_address(i2c: Any, dsp: Dsp) -> None:
 
 
 def address_too_late(i2c: Any, dsp: Dsp) -> None:
-    """The address is 95 us long, and begins 1 ms after main."""
+    """The address phase takes 95 us and begins 1 ms after main, before I2COAR is written."""
     i2c.I2COAR.all = 0x51
     dsp.compute(165_000)
     i2c.I2COAR.all = 0x50
@@ -97,21 +100,21 @@ def reset_before(i2c: Any, dsp: Dsp) -> None:
         (reset_before, "I2CMDR.IRS cleared, so the module releases SDA", 2, -333),
     ],
 )
-def test_a_refused_address_goes_back_to_the_write_behind_it(
+def test_an_address_nack_is_traced_to_the_write_that_caused_it(
     serve: Callable[[Any, Dsp], None], words: str, below: int, written_us: int, measure: str
 ):
-    """written_us: from the START of the request to the write."""
+    """`written_us` is the time from the START of the request to the write."""
     one = explained(serve, measure, READ)
     step = next(step for step in one.chain.steps if words in step.what)
     start = next(step for step in one.chain.steps if step.what.startswith("START, "))
     assert place_of(one, words) == line_of(serve, below)
     assert round(one.chain.us(step.at - start.at)) == pytest.approx(written_us, abs=1)
     assert one.chain.blamed is not None and one.chain.blamed.place == step.place
-    assert any(what == "address 0x50 not acknowledged" for what in said(one))
+    assert any(what == "address 0x50 not acknowledged" for what in message(one))
 
 
 def no_address(i2c: Any, dsp: Dsp) -> None:
-    start_i2c(dsp)  # it writes I2COAR = 0
+    start_i2c(dsp)  # this writes I2COAR = 0
     i2c.I2CMDR.IRS = 1
 
 
@@ -133,7 +136,7 @@ def never_addressed(i2c: Any, dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize(
-    ("serve", "told"),
+    ("serve", "shown"),
     [
         (no_address, "I2COAR = 0x00 written, "),
         (no_release, "I2CMDR.IRS = 0, so the module releases SDA: the firmware has never set it"),
@@ -141,8 +144,8 @@ def never_addressed(i2c: Any, dsp: Dsp) -> None:
         (never_addressed, "I2COAR = 0x00: the firmware has never written it"),
     ],
 )
-def test_a_refused_address_goes_back_to_the_write_that_is_missing(serve: Callable[[Any, Dsp], None], told: str):
-    assert any(what.startswith(told) for what in said(explained(serve, "nacked", READ, start=False)))
+def test_an_address_nack_is_traced_to_the_missing_write(serve: Callable[[Any, Dsp], None], shown: str):
+    assert any(what.startswith(shown) for what in message(explained(serve, "nacked", READ, start=False)))
 
 
 def refuse_byte(i2c: Any, dsp: Dsp) -> None:
@@ -156,8 +159,8 @@ def reset_in_byte(i2c: Any, dsp: Dsp) -> None:
     i2c.I2CMDR.IRS = 0
 
 
-def test_an_acknowledge_that_a_chip_refuses_to_the_firmware_is_not_put_down_to_its_own_address():
-    """The firmware is the master; nobody is at 0x51."""
+def test_a_nack_to_the_firmware_as_master_is_not_explained_by_its_own_address():
+    """The firmware is the master, and no device has the address 0x51."""
     run = case(
         "2 ms",
         unit={"dsp": {"firmware": "master", "modules": ["I2C-A"]}},
@@ -172,15 +175,15 @@ def test_an_acknowledge_that_a_chip_refuses_to_the_firmware_is_not_put_down_to_i
         dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
 
     one = run_and_explain(run, main)["b"]
-    assert "address 0x51 not acknowledged" in said(one)
-    assert not any("I2COAR" in what or "IRS" in what for what in said(one))
+    assert "address 0x51 not acknowledged" in message(one)
+    assert not any("I2COAR" in what or "IRS" in what for what in message(one))
 
 
 # Bytes and hangs ---------------------------------------------------------------------
 
 
 def answer_late(i2c: Any, dsp: Dsp) -> None:
-    """The byte of the second read is written when its first byte is over: it goes out with the third."""
+    """The first byte of the second read is over when its next byte is written, which is therefore sent as the third."""
     i2c.I2CEMDR.BCM = 0
     while True:
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
@@ -191,19 +194,19 @@ def answer_late(i2c: Any, dsp: Dsp) -> None:
         i2c.I2CSTR.all = 0x4020
 
 
-def test_a_wrong_byte_is_told_with_the_line_that_wrote_it_and_when():
+def test_a_wrong_byte_is_explained_by_the_line_that_wrote_it():
     one = explained(answer_late, "wrong bytes", READ)
-    (told,) = [step for step in one.chain.steps if step.what.startswith("byte 2: 0x03")]
-    assert "written" in told.what and told.place is not None
-    assert f"{told.place.function}:{told.place.line}" == line_of(answer_late, 6)
-    assert {(place, value) for (_, _, place), value in one.window.expected.items()} == {(1, 2)}  # byte 1 is right
+    (shown,) = [step for step in one.chain.steps if step.what.startswith("byte 2: 0x03")]
+    assert "written" in shown.what and shown.place is not None
+    assert f"{shown.place.function}:{shown.place.line}" == line_of(answer_late, 6)
+    assert {(place, value) for (_, _, place), value in one.window.expected.items()} == {(1, 2)}  # byte 1 is correct
 
 
-def test_a_byte_of_another_transfer_is_told_as_one():
+def test_a_byte_written_for_another_transfer_is_explained():
     one = run_and_explain(load(TIMING / "imu_hil_no_sdir.toml", ["duration=12 ms"]))["wrong bytes"]
     assert any(
         what.startswith("byte 1: 0x12 ACK, not 0x11, written to I2CDXR") and what.endswith("for gyroscope (0x68 W)")
-        for what in said(one)
+        for what in message(one)
     )
     assert one.chain.blamed is not None and one.chain.blamed.place is not None
     boxes = next(line for line in text_picture(one.window, 120) if line.startswith("bytes"))
@@ -216,15 +219,15 @@ def test_a_byte_of_another_transfer_is_told_as_one():
     assert [expected for _, _, expected in rows[0]] == ["11", "12", "13", "14", "15", "16"]
 
 
-def test_the_expected_bytes_of_a_read_are_known_that_ends_long_after_its_first_wrong_byte():
+def test_the_expected_bytes_of_a_long_read_are_known_at_its_first_wrong_byte():
     def serve(i2c: Any, dsp: Dsp) -> None:
         while True:
             dsp.spin(lambda: i2c.I2CSTR.SDIR == 1 and i2c.I2CSTR.XRDY == 1)
             i2c.I2CDXR.all = 0x12
 
-    slow = {"address": 0x50, "count": 40, "expect": "11" * 40}  # 37 ms at 10 kHz
+    slow = {"address": 0x50, "count": 40, "expect": "11" * 40}  # takes 37 ms at 10 kHz
     one = explained(serve, "wrong bytes", slow, duration="80 ms", rate="10 kHz", period="50 ms")
-    assert said(one)[2].startswith("byte 1: 0x12 ACK, not 0x11")
+    assert message(one)[2].startswith("byte 1: 0x12 ACK, not 0x11")
 
 
 def reset_in_read(i2c: Any, dsp: Dsp) -> None:
@@ -241,7 +244,7 @@ def read_nothing(i2c: Any, dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize(
-    ("serve", "measure", "request_", "words", "below", "told"),
+    ("serve", "measure", "request_", "words", "below", "shown"),
     [
         (
             *(refuse_byte, "count of bus NACK byte", WRITE),
@@ -265,17 +268,17 @@ def read_nothing(i2c: Any, dsp: Dsp) -> None:
         ),
     ],
 )
-def test_a_refused_or_wrong_byte_and_a_hang_go_back_to_the_access_behind_them(
-    serve: Callable[[Any, Dsp], None], measure: str, request_: dict[str, Any], words: str, below: int, told: str
+def test_a_nack_a_wrong_byte_and_a_hang_are_traced_to_the_access_that_caused_them(
+    serve: Callable[[Any, Dsp], None], measure: str, request_: dict[str, Any], words: str, below: int, shown: str
 ):
     one = explained(serve, measure, request_)
     assert place_of(one, words) == line_of(serve, below)
-    assert any(what.startswith(told) for what in said(one))
+    assert any(what.startswith(shown) for what in message(one))
     assert measure == "missed rounds" or str(one.chain.blamed) == words.partition(",")[0]
 
 
 def trust_old_stop(i2c: Any, dsp: Dsp) -> None:
-    """The wait for XRDY or SCD ends by the SCD of the transfer before."""
+    """The wait for XRDY or SCD ends because of the SCD of the transfer before."""
     while True:
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
         for byte in (1, 2, 3):
@@ -287,9 +290,9 @@ def trust_old_stop(i2c: Any, dsp: Dsp) -> None:
         i2c.I2CSTR.all = 0x4000  # SDIR alone: SCD stays
 
 
-def test_a_wait_that_an_old_flag_ended_is_told():
+def test_a_wait_that_an_old_flag_ended_is_explained():
     one = explained(trust_old_stop, "missed rounds", {**READ, "count": 3, "expect": "01 02 03"}, period="2 ms")
-    assert [what.partition(",")[0] for what in said(one)] == [
+    assert [what.partition(",")[0] for what in message(one)] == [
         "0x50 (0x50 R)",
         "I2C-A.I2CSTR.BB set",
         "the firmware sees I2CSTR.SCD",
@@ -298,21 +301,21 @@ def test_a_wait_that_an_old_flag_ended_is_told():
         "a round is due",
         "dsp: wait for I2C-A.I2CSTR.BB",
     ]
-    assert said(one)[2] == "the firmware sees I2CSTR.SCD, which rose 1624.900 us before this transfer began"
+    assert message(one)[2] == "the firmware sees I2CSTR.SCD, which rose 1624.900 us before this transfer began"
 
 
 @pytest.mark.parametrize(
     ("serve", "measure", "request_", "named", "reaches"),
     [
         (address_too_late, "nacked", READ, {"I2COAR"}, False),
-        (other_address, "nacked", READ, {"I2COAR"}, False),  # which does not change in the picture
+        (other_address, "nacked", READ, {"I2COAR"}, False),  # it does not change in the picture
         (refuse_byte, "count of bus NACK byte", WRITE, {"NACKMOD"}, True),
         (read_nothing, "missed rounds", {"address": 0x50, "write": "01 02 03 04"}, {"RSFULL"}, True),
         (answer_late, "wrong bytes", READ, {"I2CDXR"}, True),
         (reset_in_read, "wrong bytes", READ, {"I2CDXR", "IRS"}, True),
     ],
 )
-def test_the_picture_has_the_lanes_that_the_chain_names_and_reaches_evidence_that_is_not_far(
+def test_the_picture_has_the_lanes_named_in_the_chain_and_contains_near_evidence(
     serve: Callable[[Any, Dsp], None], measure: str, request_: dict[str, Any], named: set[str], reaches: bool
 ):
     one = explained(serve, measure, request_)
@@ -323,9 +326,9 @@ def test_the_picture_has_the_lanes_that_the_chain_names_and_reaches_evidence_tha
     assert all(lane in " ".join(window.chain_texts) for lane in named)
 
 
-def test_a_byte_came_of_what_was_written_before_its_first_bit():
+def test_a_byte_is_explained_by_the_last_write_before_its_first_bit():
     """
-    I2CDXR   w11          w11              the second one is for the byte behind
+    I2CDXR   w11          w11              the second write is for the next byte
     SCL     |____|‾‾|_|‾ ... |_  byte
              20  30       40     90
     """
@@ -344,25 +347,25 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
 
 
 @pytest.mark.parametrize(
-    ("begin", "told"),
+    ("begin", "shown"),
     [
         (0, ["controller: START: a period of", "then one of"]),
         (-40, ["controller: START: a period of"]),
         (40, ["controller: START: a period of"]),
     ],
 )
-def test_a_jitter_has_no_period_before_the_first_event_and_none_after_the_last(begin: int, told: list[str]):
+def test_a_jitter_has_no_period_before_the_first_event_and_none_after_the_last(begin: int, shown: list[str]):
     window = drawn(begin=begin)
     verdict = replace(window.verdict, measure="jitter of bus START")
     starts = tuple(Record(n, 40 * n, Kind.BUS, "controller", "START", 0, "", 0) for n in (-1, 0, 1))
     evidence = Evidence(replace(window, verdict=verdict, records=starts), BOTH)
     steps = [step for find in FINDINGS for step in find(evidence, Ends.of(evidence))[0]]
-    assert [step.what for step in steps if step.what in told] == told
+    assert [step.what for step in steps if step.what in shown] == shown
     assert all(step.length != 0 for step in steps)
 
 
-def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():
-    """A firmware as master asks 0x50 and 0x51; in its second round it leaves 0x51 out."""
+def test_a_missing_request_of_a_round_is_explained_by_the_start_in_its_place():
+    """Firmware as master requests 0x50 and 0x51; in its second round it omits 0x51."""
     made = case(
         "4 ms",
         unit={
@@ -377,8 +380,8 @@ def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():
     )
     one = run_and_explain(made)["b"]
     assert (one.chain.verdict.worst, one.chain.verdict.broken) == (1, True)
-    assert said(one)[-1] == "0x50 W begins, and the request before it was not made"
-    assert said(one)[:-1] == ["0x50 W, not acknowledged"], "of the period before"
+    assert message(one)[-1] == "0x50 W begins, and the request before it was not made"
+    assert message(one)[:-1] == ["0x50 W, not acknowledged"], "of the period before"
 
 
 # The unit ---------------------------------------------------------------------------------
@@ -387,14 +390,14 @@ UNIT = {"firmware": "given", "modules": ["I2C-A"]}
 BOTH = case(unit={"head": UNIT, "dsp": UNIT})
 
 
-def test_it_is_about_the_first_unit_whose_firmware_did_something_else_about_the_first():
+def test_evidence_is_of_the_first_unit_with_activity_or_else_of_the_first_unit():
     assert Evidence(drawn("wait AAS 0 100"), BOTH).unit == "dsp"
     assert Evidence(drawn(), BOTH).unit == "head"
     assert Evidence(drawn("wait AAS 0 100"), BOTH, "head").unit == "head"
     assert Evidence(drawn(), case()).unit == ""
 
 
-def test_a_read_is_told_of_the_unit_that_has_its_address_unless_a_device_has():
+def test_a_read_is_explained_by_the_unit_with_its_address_unless_a_device_has_it():
     wrote = Record(9, 5, Kind.ACCESS, "dsp", "W I2C-A.I2COAR", 0x50, "f:1", 0)
     window = drawn("wait AAS 0 100")
     window = replace(window, records=(*window.records, wrote))

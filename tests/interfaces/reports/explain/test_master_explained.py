@@ -1,4 +1,4 @@
-"""Where a unit is the master: a device that stretches is who held SCL, and polls of one that is busy are one line."""
+"""Explanations with a unit as master: a device that holds SCL is named, and polls of a busy device are one line."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ REQUEST = {"address": 0x50, "pointer": 0, "count": 0}
 REQUESTS = [{**REQUEST, "write": "10 11 22"}, {**REQUEST, "write": "10", "count": 2}]
 
 
-def told(measure: str, **device: Any) -> str:
-    """The explanation of one budget of a script of transfers, as text."""
+def explanation_of(measure: str, **device: Any) -> str:
+    """Return the explanation of one budget of a script of transfers as text."""
     return "\n".join(text(chain(measure, SCRIPT, REQUESTS, **device)))
 
 
@@ -40,8 +40,8 @@ def chain(measure: str, script: list[str], requests: list[dict[str, Any]], **dev
     return run_and_explain(Case.model_validate(tables))["it"].chain
 
 
-def test_polls_that_are_refused_are_one_line():
-    shown = told("round")
+def test_polls_without_ack_are_one_line():
+    shown = explanation_of("round")
     assert shown.count("not acknowledged") == 1
     assert "memory (0x50 W), not acknowledged, 3 times" in shown
 
@@ -50,7 +50,7 @@ def test_polls_that_are_refused_are_one_line():
 
 
 def read_back(written: str, word: str, expect: str) -> Chain:
-    """Two bytes are written, and two read from a word address of one byte, which are not those expected."""
+    """Write two bytes, then read two from a word address of one byte. The bytes read differ from the expected ones."""
     script = [f"50 W 00 {written}", "50 W", "50 W", "50 W", f"50 W 00 {word} Sr 50 R 2"]
     asked = [{**REQUEST, "write": written}, {**REQUEST, "write": word, "count": 2, "expect": expect}]
     return chain("wrong bytes", script, asked)
@@ -68,7 +68,7 @@ WROTE_11, WROTE_22 = ", last written 0x11, 1000.847 us before", ", last written 
             [f"0x11 ACK|0x0010{WROTE_11}", f"0x22 NACK, not 0x23|0x0011{WROTE_22}"],
             *([], None),
         ),
-        (  # a page begins at a multiple of its length: 0x50 lies in the one from 0x40 on
+        (  # a page begins at a multiple of its length: 0x50 is in the page from 0x40
             *("50 11 22", "50", "11 23"),
             [f"0x11 ACK|0x0050{WROTE_11}", f"0x22 NACK, not 0x23|0x0051{WROTE_22}"],
             *([], None),
@@ -78,36 +78,36 @@ WROTE_11, WROTE_22 = ", last written 0x11, 1000.847 us before", ", last written 
             [f"0x11 ACK|0x001f{WROTE_11}", "0xFF NACK, not 0x22|0x0020"],
             *([NOTED], NOTED),
         ),
-        (  # the word that the write went round to
+        (  # the word to which the write wrapped
             *("1f 11 22", "00", "ff ff"),
             ["0x22 ACK, not 0xFF|0x0000, last written 0x22, 910.847 us before", "0xFF NACK|0x0001"],
             *([NOTED], NOTED),
         ),
-        (  # a note about words that are not read
+        (  # the note is about words that are not read
             *("1f 11 22", "40", "11 22"),
             ["0xFF ACK, not 0x11|0x0040", "0xFF NACK, not 0x22|0x0041"],
             *([NOTED], None),
         ),
     ],
 )
-def test_bytes_that_a_memory_sends_are_told_with_their_writes_and_its_note(
+def test_bytes_of_a_memory_are_explained_with_their_writes_and_its_note(
     written: str, word: str, expect: str, sent: list[str], notes: list[str], blamed: str | None
 ):
     found = read_back(written, word, expect)
-    said = [f"byte {n}: {byte.replace('|', ', sent by memory from ')}" for n, byte in enumerate(sent, 1)]
-    told = [*notes, "repeated START, memory (0x50 R)", "address acknowledged", *said]
-    assert [step.what for step in found.steps] == told
+    message = [f"byte {n}: {byte.replace('|', ', sent by memory from ')}" for n, byte in enumerate(sent, 1)]
+    shown = [*notes, "repeated START, memory (0x50 R)", "address acknowledged", *message]
+    assert [step.what for step in found.steps] == shown
     assert (found.blamed and str(found.blamed)) == blamed
 
 
-def test_where_a_memory_is_read_without_a_word_address_before_the_bytes_are_told_without_it():
-    """A read goes on behind the one before; its word is not known, since no write to the same address tells it."""
+def test_bytes_read_without_a_word_address_are_explained_without_it():
+    """A read continues after the one before. Its word address is unknown, since no write to this address sets it."""
     asked = [{**REQUEST, "write": "10", "count": 2}, {"address": 0x50, "count": 1, "expect": "33"}]
     steps = chain("wrong bytes", ["50 W 00 10 Sr 50 R 2", "50 R 1"], asked).steps
     assert steps[-1].what == "byte 1: 0xFF NACK, not 0x33, sent by memory"
 
 
-def test_a_low_phase_that_rounding_makes_longer_by_a_tick_is_not_held():
+def test_a_low_phase_that_is_a_tick_longer_by_rounding_is_no_hold():
     case = load(TIMING / "eeprom_log.toml", ["duration=20 ms", "unit.dsp.ppm=40"])
     steps = steps_of(run_and_explain(case)["round complete"])
     assert len(steps) > 5 and not [step for step in steps if "SCL held" in step]

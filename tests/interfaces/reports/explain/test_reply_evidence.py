@@ -1,6 +1,6 @@
-"""Why a reply was wrong: the picture reaches from what asks for it to what is wrong in it, whose writes are told.
+"""Causes of wrong replies: the picture reaches from the request to the wrong part, and the writes are explained.
 
-RX  |-a-|                 at 100 us, 115200 baud
+RX  |-a-|                 the request, at 100 us, 115200 baud
 CPU      w(E) w(R)        OK is expected
 TX       |-E-|-R-|
 """
@@ -24,39 +24,39 @@ from tests.scene.small import case, unit
 def explained(
     replies: dict[bytes, bytes], ask: str = "a", text: str = "OK", duration: str = "2 ms", bits: int = 8
 ) -> Explained:
-    expect = {"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}
-    return asked(replier("SCI-A", replies, sciccr=bits - 1), ask, expect, duration, bits)
+    expect = {"name": "reply", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}
+    return explain_reply(replier("SCI-A", replies, sciccr=bits - 1), ask, expect, duration, bits)
 
 
-def asked(
+def explain_reply(
     program: Program, ask: str, expect: dict[str, str], duration: str, bits: int = 8, modules: tuple[str, ...] = ()
 ) -> Explained:
-    """Return the explanation of the verdict on the reply to a send at 100 us."""
+    """Return the explanation of the verdict on the reply to a request at 100 us."""
     send = {"to": "SCI-A", "name": "ask", "at": "100 us", "text": ask}
     table = {"bits": bits, "send": [send], "expect": [expect]}
     small = case(unit={"dsp": unit("SCI-A", *modules)}, serial=table, duration=duration)
-    return run_and_explain(small, program)["told"]
+    return run_and_explain(small, program)["reply"]
 
 
-def test_a_wrong_reply_is_shown_up_to_its_end_with_the_writes_of_its_wrong_characters():
-    told = explained({b"a": b"ER"})
-    window, steps = told.window, steps_of(told)
+def test_a_wrong_reply_is_shown_to_its_end_with_the_writes_of_wrong_characters():
+    shown = explained({b"a": b"ER"})
+    window, steps = shown.window, steps_of(shown)
     ends = [r.tick for r in window.records if (r.kind, r.where, r.what) == (Kind.FRAME, "TX", "end")]
-    assert window.end == pytest.approx(ends[1], abs=30_000)  # 10 us: the reader has the nominal rate
+    assert window.end == pytest.approx(ends[1], abs=30_000)  # 10 us, because the reader uses the nominal rate
     assert steps[0] == "RX: the last character of what asks for it"
     assert [step for step in steps if "SCITXBUF" in step] == [
         "dsp: SCITXBUF written, 0x45: character 0 of the reply, not 0x4f",
         "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b",
     ]
-    assert {step.place.function for step in told.chain.steps if step.place and "SCITXBUF" in step.what} == {"send"}
+    assert {step.place.function for step in shown.chain.steps if step.place and "SCITXBUF" in step.what} == {"send"}
     sent = [one for one in characters(window) if one.wire == "TX"]
     assert [one.text for one in sent] == ["0x45 not 0x4F", "0x52 not 0x4B"]
     assert "".join(text for _, _, text in sent[0].bits) == "S10100010T"
     lanes = {line.split(" ")[0] for line in text_picture(window, 100)}
     assert {"RX", "TX"} <= lanes
-    said = failure(told.chain.verdict, False, told.chain, None, window.timebase.per_second)
-    assert said is not None and said.what.startswith("'OK' was expected from SCI-A, but 'ER' came")
-    assert "SCITXBUF written, 0x45" in said.why and "programs.py" in said.place
+    message = failure(shown.chain.verdict, False, shown.chain, None, window.timebase.per_second)
+    assert message is not None and message.what.startswith("'OK' was expected from SCI-A, but 'ER' came")
+    assert "SCITXBUF written, 0x45" in message.why and "programs.py" in message.place
 
 
 R_NOT_K = "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
@@ -65,22 +65,22 @@ R_NOT_K = "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
 @pytest.mark.parametrize(
     ("replies", "ask", "text", "bits", "wrong"),
     [
-        # RX |a|b|c|   TX  |a|b|X|: the first two begin before the reply's time does.
+        # RX |a|b|c|   TX  |a|b|X|: the first two begin before the time of the reply.
         (
             *({b"a": b"a", b"b": b"b", b"c": b"X"}, "abc", "abc", 8),
             ["dsp: SCITXBUF written, 0x58: character 2 of the reply, not 0x63"],
         ),
-        # The send began long before: the window keeps 5 ms before; 60 characters take 5.2 ms.
+        # The window keeps 5 ms before the occurrence, and the 60 characters sent take 5.2 ms.
         (
             *({b"x" * 60: b"ER"}, "x" * 60, "OK", 8),
             ["dsp: SCITXBUF written, 0x45: character 0 of the reply, not 0x4f", R_NOT_K],
         ),
-        # The begin of the request is not kept, and a write came after it, so the first write is not known.
+        # The begin of the request is not kept, and a write followed it, so the first write of the reply is unknown.
         ({b"x" * 30: b"E"}, "x" * 60, "OK", 8, []),
-        ({b"a": b"\xcfR"}, "a", "OK", 7, [R_NOT_K]),  # bits that do not go out are not wrong
+        ({b"a": b"\xcfR"}, "a", "OK", 7, [R_NOT_K]),  # a bit that is not sent is not wrong
     ],
 )
-def test_wrong_characters_are_told_where_it_is_known_which_is_the_first_of_the_reply(
+def test_wrong_characters_are_explained_if_the_first_of_the_reply_is_known(
     replies: dict[bytes, bytes], ask: str, text: str, bits: int, wrong: list[str]
 ):
     steps = steps_of(explained(replies, ask, text, "8 ms", bits))
@@ -89,87 +89,89 @@ def test_wrong_characters_are_told_where_it_is_known_which_is_the_first_of_the_r
 
 
 def test_a_reply_cut_short_is_shown_up_to_its_limit():
-    told = explained({b"a": b"O"})
-    assert told.chain.verdict.broken and told.window.end - told.window.begin >= told.window.timebase.per_second // 1000
-    assert not [step for step in steps_of(told) if "character" in step and "SCITXBUF" in step]
+    shown = explained({b"a": b"O"})
+    assert (
+        shown.chain.verdict.broken and shown.window.end - shown.window.begin >= shown.window.timebase.per_second // 1000
+    )
+    assert not [step for step in steps_of(shown) if "character" in step and "SCITXBUF" in step]
 
 
-def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
-    booted = {"name": "told", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
+def test_a_reply_expected_at_a_time_has_no_request():
+    booted = {"name": "reply", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
     small = case(unit={"dsp": unit("SCI-A")}, serial={"expect": [booted]}, duration="2 ms")
-    steps = steps_of(run_and_explain(small, sender("SCI-A", b"OR"))["told"])
+    steps = steps_of(run_and_explain(small, says("SCI-A", b"OR"))["reply"])
     assert [step for step in steps if "character" in step] == [R_NOT_K]
 
 
-def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
-    """RX |a|      |b|           TX of SCI-A |O|K| |E|R|, where only OK was asked for; SCI-B sends nothing."""
+def test_unsolicited_characters_are_explained_with_their_writes():
+    """RX |a|      |b|           TX of SCI-A |O|K| |E|R|, where only OK was expected; SCI-B sends nothing."""
     sends = [{"to": "SCI-A", "name": name, "at": at, "text": name} for name, at in (("a", "100 us"), ("b", "1 ms"))]
     table = {
         "send": [{"to": "SCI-B", "name": "c", "at": "1 ms", "text": "c"}, *sends],
-        "expect": [{"name": "told", "from": "SCI-A", "after_send": "a", "within": "500 us", "text": "OK"}],
+        "expect": [{"name": "reply", "from": "SCI-A", "after_send": "a", "within": "500 us", "text": "OK"}],
     }
     budget = {"name": "unasked", "measure": "unsolicited replies", "max": 0}
     small = case(unit={"dsp": unit("SCI-A", "SCI-B")}, serial=table, budget=[budget], duration="2 ms")
-    told = run_and_explain(small, replier("SCI-A", {b"a": b"OK", b"b": b"ER"}))["unasked"]
-    steps = [step for step in told.chain.steps if "SCITXBUF" in step.what]
+    shown = run_and_explain(small, replier("SCI-A", {b"a": b"OK", b"b": b"ER"}))["unasked"]
+    steps = [step for step in shown.chain.steps if "SCITXBUF" in step.what]
     assert [step.what for step in steps] == [
         "dsp: SCITXBUF written, 0x45: unsolicited",
         "dsp: SCITXBUF written, 0x52: unsolicited",
     ]
     assert {step.place.function for step in steps if step.place} == {"send"}
-    assert told.chain.blame is not None and told.chain.blame.place == steps[0].place
+    assert shown.chain.blame is not None and shown.chain.blame.place == steps[0].place
 
 
 # A reply that never came ------------------------------------------------------------
 
 
-OK = {"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}
+OK = {"name": "reply", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}
 
 
-def never_came(program: Program, *modules: str, text: str = "ab") -> Explained:
-    """Return the explanation of a reply that never came to a send of `text` at 100 us, to which OK is expected."""
-    return asked(program, text, OK, "3 ms", modules=modules)
+def missing_reply(program: Program, *modules: str, text: str = "ab") -> Explained:
+    """Return the explanation of the missing reply OK to a request `text` at 100 us."""
+    return explain_reply(program, text, OK, "3 ms", modules=modules)
 
 
-def test_a_reply_that_never_came_is_told_with_what_was_read_and_where_the_firmware_is():
-    steps = steps_of(never_came(replier("SCI-A", {b"x": b"OK"})))
+def test_a_missing_reply_is_explained_by_the_reads_and_the_place_of_the_firmware():
+    steps = steps_of(missing_reply(replier("SCI-A", {b"x": b"OK"})))
     assert steps[:3] == [
         "no interrupt is entered from here on",
         "RX: the last character of what asks for it",
         "SCIRXBUF read, 2 times since the request began: 0x61 0x62",
     ]
     assert steps[-1].startswith("dsp: wait for SCI-A.SCIFFRX.RXFFST, begun 9")
-    long = steps_of(never_came(replier("SCI-A", {b"x": b"OK"}), text="a" * 20))
+    long = steps_of(missing_reply(replier("SCI-A", {b"x": b"OK"}), text="a" * 20))
     assert f"SCIRXBUF read, 20 times since the request began: {'0x61 ' * 15}0x61, ..." in long
 
 
 @pytest.mark.parametrize(("at", "until"), [("3 ms", 1000), ("500 us", 313.2)])
-def test_a_reply_that_never_came_is_explained_up_to_its_limit_or_the_next_send(at: str, until: float):
+def test_a_missing_reply_is_explained_up_to_its_limit_or_the_next_send(at: str, until: float):
     """RX |a|    limit 1 ms     |b|      or       |a|  |b|   limit"""
     sends = [{"to": "SCI-A", "name": text, "at": when, "text": text} for text, when in (("a", "100 us"), ("b", at))]
     table = {"send": sends, "expect": [{**OK, "after_send": "a"}]}
     small = case(unit={"dsp": unit("SCI-A")}, serial=table, duration="6 ms")
-    told = run_and_explain(small, replier("SCI-A", {b"b": b"ER"}))["told"]
-    assert told.chain.us(told.chain.length) == pytest.approx(until, abs=1)
-    assert told.chain.us(told.chain.steps[-1].at) == pytest.approx(until, abs=1)
-    assert [step for step in steps_of(told) if "SCIRXBUF" in step] == [
+    shown = run_and_explain(small, replier("SCI-A", {b"b": b"ER"}))["reply"]
+    assert shown.chain.us(shown.chain.length) == pytest.approx(until, abs=1)
+    assert shown.chain.us(shown.chain.steps[-1].at) == pytest.approx(until, abs=1)
+    assert [step for step in steps_of(shown) if "SCIRXBUF" in step] == [
         "SCIRXBUF read, 1 time since the request began: 0x61"
     ]
-    assert "SCITXBUF" not in " ".join(steps_of(told))
+    assert "SCITXBUF" not in " ".join(steps_of(shown))
 
 
-def test_firmware_that_reads_nothing_for_a_reply_says_so():
+def test_a_missing_reply_of_firmware_that_reads_nothing_is_explained():
     def main(dsp: Dsp) -> None:
         start_sci(dsp, "SCI-A")
         with dsp.span("elsewhere"):
             dsp.compute(10**6)
 
-    steps = steps_of(never_came(main))
+    steps = steps_of(missing_reply(main))
     assert "no interrupt is entered and SCIRXBUF is not read from here on" in steps
     assert steps[-1].startswith("dsp: span elsewhere, begun 1")
 
 
-def test_interrupts_before_a_reply_that_never_came_are_counted():
+def test_interrupts_before_a_missing_reply_are_counted():
     def main(dsp: Dsp) -> None:
         sci, pie = dsp.module("SCI-A"), dsp.module("PIE")
 
@@ -184,14 +186,14 @@ def test_interrupts_before_a_reply_that_never_came_are_counted():
         with dsp.span("forever"):
             dsp.compute(10**6)
 
-    steps = steps_of(never_came(main, text="abc"))
+    steps = steps_of(missing_reply(main, text="abc"))
     assert "SCIRXINTA entered, 3 times since the request began" in steps
     assert "SCIRXBUF read, 3 times since the request began: 0x61 0x62 0x63" in steps
     assert "no interrupt" not in " ".join(steps)
 
 
-def test_a_request_in_two_parts_is_told_from_its_first_part_with_the_timeout_that_cut_it():
-    """RX |x| |a|  pause 1 ms  |b|     a frame is over after 500 us without a character; X is the reply to x."""
+def test_a_request_cut_by_a_timeout_is_explained_from_its_first_part():
+    """RX |x| |a|  pause 1 ms  |b|     A frame ends after 500 us without a character; X is the reply to x."""
 
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, "SCI-A")
@@ -206,21 +208,21 @@ def test_a_request_in_two_parts_is_told_from_its_first_part_with_the_timeout_tha
     times = {"x": "100 us", "a": "2 ms", "b": "3 ms", "c": "12 ms"}
     sends = [{"to": "SCI-A", "name": text, "at": at, "text": text} for text, at in times.items()]
     table = {"send": sends, "expect": [{**OK, "after_send": "b", "within": "5 ms"}]}
-    told = run_and_explain(case(unit={"dsp": unit("SCI-A")}, serial=table, duration="20 ms"), main)["told"]
-    steps = steps_of(told)
+    shown = run_and_explain(case(unit={"dsp": unit("SCI-A")}, serial=table, duration="20 ms"), main)["reply"]
+    steps = steps_of(shown)
     assert "SCIRXBUF read, 2 times since the request began: 0x61 0x62" in steps
     gave_up = [
-        step for step in told.chain.steps if step.what.endswith("wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)")
+        step for step in shown.chain.steps if step.what.endswith("wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)")
     ]
-    assert [told.chain.us(step.at) for step in gave_up] == pytest.approx([-1000, 0], abs=10)
-    assert [told.chain.us(step.length or 0) for step in gave_up] == pytest.approx([500, 500], abs=1)
-    assert len({(step.at, step.what) for step in told.chain.steps}) == len(steps)
+    assert [shown.chain.us(step.at) for step in gave_up] == pytest.approx([-1000, 0], abs=10)
+    assert [shown.chain.us(step.length or 0) for step in gave_up] == pytest.approx([500, 500], abs=1)
+    assert len({(step.at, step.what) for step in shown.chain.steps}) == len(steps)
     (cut, *_) = gave_up
-    assert "wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)" in {str(part) for part in told.chain.parts}
-    assert told.window.drawn.begin <= told.window.at + cut.at
+    assert "wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)" in {str(part) for part in shown.chain.parts}
+    assert shown.window.drawn.begin <= shown.window.at + cut.at
 
 
-def test_firmware_that_polls_a_timer_forever_is_told_with_the_timer_and_the_line():
+def test_firmware_that_polls_a_timer_for_ever_is_explained_with_the_timer_and_the_line():
     def main(dsp: Dsp) -> None:
         sci, timer = start_sci(dsp, "SCI-A"), dsp.module("TIMER0")
         dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
@@ -228,6 +230,6 @@ def test_firmware_that_polls_a_timer_forever_is_told_with_the_timer_and_the_line
         while timer.TIM.all > 0:
             dsp.compute(100)
 
-    last = never_came(main, "TIMER0", text="a").chain.steps[-1]
+    last = missing_reply(main, "TIMER0", text="a").chain.steps[-1]
     assert last.what.startswith("dsp: other code, 0.") and last.what.endswith(" us after TIMER0.TIM read")
     assert last.place is not None and last.place.function == "main"

@@ -25,7 +25,7 @@ LENGTH = Fraction(3, 20)
 
 @pytest.fixture(scope="module")
 def whole():
-    """The case with slow models: records and edges of all of a run, its verdicts."""
+    """Run the case with slow models; return the case, its result, and records and edges of the whole run."""
     case = load(CASES / "imu_hil_published.toml", ["unit.dsp.settings.model_cost=400 us", "unit.dsp.pll=8"])
     columns = Columns()
     scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, columns.add))
@@ -47,7 +47,7 @@ def test_a_window_holds_every_record_of_its_range(whole):
         assert kept.begin <= window.drawn.begin < window.drawn.end <= kept.end
 
 
-def test_before_says_how_everything_stood(whole):
+def test_before_has_the_last_record_of_each_name(whole):
     case, _, table, _ = whole
     response = Verdict("late", "response", "us", 5.0, 1, 0, 1, "pass", 0.105)
     (window,) = windows(case, [response], LENGTH)
@@ -59,7 +59,7 @@ def test_before_says_how_everything_stood(whole):
     assert {r.kind for r in window.before} == set(RECORDED) - {Kind.NOTE}
 
 
-def test_edges_are_those_of_the_wires(whole):
+def test_the_edges_equal_those_of_the_wires(whole):
     case, result, _, capture = whole
     for window in windows(case, result.budgets, LENGTH):
         for channel in window.edges.channels:
@@ -70,7 +70,7 @@ def test_edges_are_those_of_the_wires(whole):
                 assert np.array_equal(ours.edges, right.edges)
 
 
-def test_a_recorded_run_gives_the_same(whole):
+def test_a_recorded_run_gives_the_same_windows(whole):
     case, result, table, _ = whole
     recorded = windows_of_table(case.name, table, Timebase(int(table.per_second)), result.budgets, 0)
     for again, one in zip(recorded, windows(case, result.budgets, LENGTH), strict=True):
@@ -80,7 +80,7 @@ def test_a_recorded_run_gives_the_same(whole):
         assert again.run.cycles.how == one.run.cycles.how == "SYSCLKOUT 120 MHz"
 
 
-def test_of_a_long_occurrence_the_middle_is_not_kept():
+def test_the_middle_of_a_long_occurrence_is_not_kept():
     case = load(CASES / "imu_hil_published.toml")
     long = Verdict("long", "from span model begin to note lost", "us", 400_000.0, 1, 0, 1, "fail", 0.010)
     (window,) = windows(case, [long], Fraction(1, 2))
@@ -102,12 +102,12 @@ def test_a_long_age_may_begin_before_the_run():
     assert window.records and window.edges.channel("SCL").edges.size
 
 
-def test_no_instant_no_window():
+def test_a_verdict_without_an_instant_has_no_window():
     case = load(CASES / "imu_hil_published.toml")
     assert windows(case, [Verdict("none", "stuck", "count", 0, 0, 0, 0, "pass", None)]) == []
 
 
-def test_a_stretch_begins_where_the_controller_let_go():
+def test_a_stretch_begins_when_the_controller_releases_scl():
     case = load(CASES / "imu_hil_published.toml", ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"])
     scene = Scene(case)
     stretch = next(v for v in scene.run(Fraction(1, 10)).budgets if v.name == "stretch")
@@ -119,8 +119,8 @@ def test_a_stretch_begins_where_the_controller_let_go():
     assert not scl.at(np.arange(window.begin, window.end, 1000)).any()
 
 
-def test_five_milliseconds_before_and_behind_an_occurrence_are_kept():
-    """An edge at tick 100, and nothing any more until the end at 1 s."""
+def test_five_milliseconds_before_and_after_an_occurrence_are_kept():
+    """There is one edge at tick 100 and none until the end at 1 s."""
     timebase = Timebase(150_000_000)
     ms = timebase.per_second // 1000
     scl = Channel("SCL", 0, 1, np.array([100]))
@@ -131,8 +131,8 @@ def test_five_milliseconds_before_and_behind_an_occurrence_are_kept():
     assert [channel.name for channel in window.edges.channels] == ["SCL"] and window.records == ()
 
 
-def test_the_last_tick_of_what_is_kept_is_still_run():
-    """A START at 10 ms, which is 5 ms behind the occurrence."""
+def test_the_last_tick_of_the_kept_span_is_run():
+    """A START at 10 ms, which is 5 ms after the occurrence."""
     made = case("20 ms", controller={"first": "10 ms", "request": [{"address": 0x50, "count": 1}]})
     (window,) = windows(made, [Verdict("early", "response", "us", 0.0, 1, 1, 1, "pass", 0.005)])
     start = window.timebase.per_second // 100

@@ -1,4 +1,4 @@
-"""Pages of a headless Chromium that fail a test at any error, dialog or request of theirs."""
+"""Pages in a headless Chromium. An error, a dialog or a request of a page fails its test."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> CaseReport:
 
 @pytest.fixture
 def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
-    """Opens the page of some reports, unfolded if not told otherwise; errors in it fail the test at its end."""
+    """Return a function that opens a page of reports, unfolded by default. An error of the page fails the test."""
     wrong: list[str] = []
     pages: list[Page] = []
 

@@ -1,4 +1,4 @@
-"""Reports made by hand, so that what the page must show is known, and a small case that runs in no time."""
+"""Reports built by hand, so that the contents of the page are known, and a small case that runs quickly."""
 
 from __future__ import annotations
 
@@ -73,14 +73,14 @@ max = "1 ms"
 
 
 def small_report(folder: Path) -> CaseReport:
-    """Of CASE, as `periph-sim run --html` makes it, with a wall time that is always the same."""
+    """Return the report of CASE as `periph-sim run --html` builds it, with a constant wall time."""
     path = folder / "small.toml"
     path.write_text(CASE, encoding="utf-8")
     return report_of(path)
 
 
 def report_of(path: Path) -> CaseReport:
-    """The report of a case file, with a wall time that is always the same."""
+    """Return the report of a case file with a constant wall time."""
     case = load(path, [])
     scene = Scene(case, keep_values=True)
     result = replace(scene.run(), wall_s=0.25)
@@ -89,7 +89,7 @@ def report_of(path: Path) -> CaseReport:
 
 
 def drawn() -> Timeline:
-    """From -100 us to 200 us, shown from -20 us to 30 us; 0 is 12.345 ms into the run.
+    """A timeline from -100 us to 200 us, shown from -20 us to 30 us; 0 is 12.345 ms after the begin of the run.
 
     LINE   high, falls at -10 us, rises at 5 us, falls at 15 us
     WORDS  3 from -100 us, 4 from 5 us to 200 us
@@ -123,7 +123,7 @@ def budget(name: str, worst: float, limit: float = 10.0, timeline: Timeline | No
 
 
 def run_of(numbers: list[int], which: str = "max", **limits: int) -> OverTime:
-    """Numbers as microseconds, one each millisecond from 1 ms on, of a run of 100 ms or as long as it takes."""
+    """Return values in microseconds, one each millisecond from 1 ms on, of a run of 100 ms or longer if necessary."""
     data = np.array(numbers, np.int64) * US
     at = np.arange(1, len(data) + 1) * 1000 * US
     values = Values("time", data, at, {key: limit * US for key, limit in limits.items()})

@@ -1,4 +1,4 @@
-"""The page in a real browser: what stands first and what is folded; from violation to violation; the protocol."""
+"""The page in a real browser: its order, folded parts, navigation between violations, and the protocol table."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def waves(at: int = 12_345 * US) -> Timeline:
 
 
 def broken(name: str = "late") -> BudgetReport:
-    """30 us at 2 ms, 40 us (the worst) at 4 ms, 20 us at 5 ms; the waves of the last are not kept."""
+    """Return a budget with violations of 30 us at 2 ms, 40 us (the worst) at 4 ms and 20 us at 5 ms, without waves."""
     one = budget(name, 40.0, timeline=waves(4 * MS))
     return replace(
         one,
@@ -41,19 +41,17 @@ def broken(name: str = "late") -> BudgetReport:
     )
 
 
-def test_the_first_thing_said_is_what_failed_and_why(opened: Open) -> None:
+def test_the_page_begins_with_the_failure_and_its_cause(opened: Open) -> None:
     good = report(budget("fine", 2.0, timeline=waves()), name="good")
     page = opened(good, report(budget("other", 3.0), broken(), name="bad"), folded=True)
-    said = page.locator("header .failures").inner_text()
-    assert said == "bad: late: 40.000 us is over its limit of 10.000 us. Most of it went into a.py:7."
+    message = page.locator("header .failures").inner_text()
+    assert message == "bad: late: 40.000 us is over its limit of 10.000 us. Most of it went into a.py:7."
     assert page.locator("article").evaluate_all("all => all.map((one) => one.id)") == ["c2", "c1"]
     names = page.locator("#c2 section h3").evaluate_all("all => all.map((one) => one.textContent.split(' ')[0])")
     assert names == ["late", "other"]
 
 
-def test_thirteen_cases_open_at_the_one_that_fails_and_stay_under_three_screens(
-    small: CaseReport, opened: Open
-) -> None:
+def test_of_thirteen_cases_only_the_failing_one_is_unfolded(small: CaseReport, opened: Open) -> None:
     passing = [replace(small, name=f"case {n}", standing="good", verdict="pass") for n in range(12)]
     passing = [
         replace(one, budgets=tuple(replace(b, failure=None) for b in one.budgets), findings=()) for one in passing
@@ -62,14 +60,14 @@ def test_thirteen_cases_open_at_the_one_that_fails_and_stay_under_three_screens(
     page = opened(*passing[:6], report(*many, broken(), name="bad"), *passing[6:], folded=True, width=1400)
     assert page.evaluate("document.documentElement.scrollHeight") <= 3 * SCREEN
     opened_ = page.locator("details[open]").evaluate_all("all => all.map((one) => one.parentElement.id)")
-    assert opened_ == ["c7", "c7b11"]  # the case and its budget, nothing else
+    assert opened_ == ["c7", "c7b11"]  # only the case and its budget
     top = page.locator("#c7b11").bounding_box()
     assert top is not None and top["y"] < SCREEN / 2
     page.locator("header a").click()
     assert page.evaluate("location.hash") == "#c7b11"
 
 
-def test_a_link_leads_to_a_budget_of_any_case_and_opens_it(opened: Open) -> None:
+def test_a_link_to_a_budget_unfolds_it(opened: Open) -> None:
     page = opened(report(budget("a", 1.0)), report(budget("own", 2.0, timeline=waves())), folded=True)
     assert not page.locator("#c2b1 .waves").is_visible()
     page.locator("details.table summary").click()
@@ -79,31 +77,32 @@ def test_a_link_leads_to_a_budget_of_any_case_and_opens_it(opened: Open) -> None
 
 
 def origin(page: Page) -> float:
-    """Where 0 of the waves is, in milliseconds of the run."""
+    """Return the instant of the run, in milliseconds, at which the waves have their 0."""
     return page.locator(".timeline").first.evaluate("figure => Number(figure.timeline.origin)") / MS
 
 
-def test_buttons_and_keys_go_from_violation_to_violation_and_the_waves_with_them(opened: Open) -> None:
+def test_buttons_and_keys_move_the_waves_between_violations(opened: Open) -> None:
     page = opened(report(broken()))
-    told, now = page.locator(".told"), page.locator(".overtime .now")
+    violation, now = page.locator(".told"), page.locator(".overtime .now")
     assert origin(page) == 4 and now.evaluate("now => now.style.left") == "4%"
     page.get_by_role("button", name="next violation").click()
     assert (
-        told.inner_text() == "violation 3 of 3: 20 us at 0.005000 s; its waves are not kept, those below are of another"
+        violation.inner_text()
+        == "violation 3 of 3: 20 us at 0.005000 s; its waves are not kept, those below are of another"
     )
-    page.keyboard.press("n")  # from the last to the first
-    assert told.inner_text() == "violation 1 of 3: 30 us at 0.002000 s"
+    page.keyboard.press("n")  # goes from the last to the first
+    assert violation.inner_text() == "violation 1 of 3: 30 us at 0.002000 s"
     assert origin(page) == 2 and now.evaluate("now => now.style.left") == "2%"
     assert "violation 1 of 3" in page.locator(".timeline figcaption").inner_text()
     page.keyboard.press("n")
-    assert told.inner_text().startswith("violation 2 of 3: 40 us") and origin(page) == 4
+    assert violation.inner_text().startswith("violation 2 of 3: 40 us") and origin(page) == 4
     page.keyboard.press("p")
     assert origin(page) == 2
     field = page.locator(".overtime .field").bounding_box()
     page.mouse.click(field["x"] + 0.0401 * field["width"], field["y"] + 10)
-    assert told.inner_text().startswith("violation 2 of 3")
-    page.locator(".protocol input").fill("n")  # a letter, no key
-    assert told.inner_text().startswith("violation 2 of 3")
+    assert violation.inner_text().startswith("violation 2 of 3")
+    page.locator(".protocol input").fill("n")  # a letter of the text, not the key `n`
+    assert violation.inner_text().startswith("violation 2 of 3")
 
 
 def view(page: Page) -> tuple[float, float]:
@@ -111,7 +110,7 @@ def view(page: Page) -> tuple[float, float]:
     return first / US, last / US
 
 
-def test_a_row_of_the_protocol_moves_the_waves_to_it(opened: Open) -> None:
+def test_a_click_on_a_row_of_the_protocol_moves_the_waves_to_it(opened: Open) -> None:
     page = opened(report(broken()))
     rows = page.locator(".protocol tbody tr")
     assert [" ".join(row.split()) for row in rows.all_inner_texts()] == [
@@ -120,7 +119,10 @@ def test_a_row_of_the_protocol_moves_the_waves_to_it(opened: Open) -> None:
         "60.000 us I2C Sr 0x68 R ACK 12 ACK 34 NACK STOP",
     ]
     assert page.locator(".protocol tr.inview").count() == 1
-    assert page.locator(".protocol small.wrong").all_inner_texts() == ["error", "NACK"]  # a read ends with NACK
+    assert page.locator(".protocol small.wrong").all_inner_texts() == [
+        "error",
+        "NACK",
+    ]  # the NACK ending a read is right
     rows.nth(2).click()
     assert view(page) == (60 - 18, 180 + 18)
     assert page.locator(".protocol tr.inview").all_inner_texts() == [rows.nth(2).inner_text()]
@@ -129,7 +131,7 @@ def test_a_row_of_the_protocol_moves_the_waves_to_it(opened: Open) -> None:
     assert page.locator(".protocol .count").inner_text() == "1 of 3 rows"
 
 
-def test_the_strip_above_the_waves_moves_them(opened: Open) -> None:
+def test_a_click_on_the_strip_above_the_waves_moves_them(opened: Open) -> None:
     page = opened(report(broken()))
     strip = page.locator(".minimap").bounding_box()
     page.mouse.click(strip["x"] + strip["width"] / 2, strip["y"] + 12)  # the middle of -100 us to 200 us
@@ -139,7 +141,7 @@ def test_the_strip_above_the_waves_moves_them(opened: Open) -> None:
     assert float(window.get_attribute("x") or 0) == pytest.approx(1000 * (first + 100) / 300, abs=1)
 
 
-def test_lanes_are_those_of_the_explanation_until_all_are_asked_for(opened: Open) -> None:
+def test_lanes_of_the_explanation_are_shown_until_all_are_requested(opened: Open) -> None:
     timeline = waves()
     for _, lanes in timeline.groups:
         for lane in lanes:
@@ -155,11 +157,11 @@ def test_lanes_are_those_of_the_explanation_until_all_are_asked_for(opened: Open
 
 @pytest.mark.parametrize("width", [400, 1400])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_overflows_and_waves_stand_out(small: CaseReport, opened: Open, width: int, scheme: str) -> None:
+def test_nothing_overflows_and_waves_have_contrast(small: CaseReport, opened: Open, width: int, scheme: str) -> None:
     count = "1,234,567 of 3,000,000 phases"
     at = budget("covered", 9_876.543).verdict, "phases 12.3456789 to 98.7654321 ms"
-    said = PhasesReport(f"some_folder/coverage/{'long_name_' * 9}.json: 11 budgets held at {count}", count, {})
-    covered = replace(small, coverage=said, budgets=tuple(replace(one, at_phases=at) for one in small.budgets))
+    message = PhasesReport(f"some_folder/coverage/{'long_name_' * 9}.json: 11 budgets held at {count}", count, {})
+    covered = replace(small, coverage=message, budgets=tuple(replace(one, at_phases=at) for one in small.budgets))
     page = opened(covered, report(broken()), width=width, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
     assert page.locator(".at-phases").count() == page.locator("td[data-name='at phases']:not(:empty)").count() > 5
@@ -176,7 +178,7 @@ def test_nothing_overflows_and_waves_stand_out(small: CaseReport, opened: Open, 
 
 
 def contrast(one: list[int], other: list[int]) -> float:
-    """The contrast ratio of WCAG 2.2."""
+    """Return the contrast ratio of WCAG 2.2."""
 
     def luminance(colour: list[int]) -> float:
         parts = [c / 255 / 12.92 if c <= 10 else ((c / 255 + 0.055) / 1.055) ** 2.4 for c in colour]

@@ -20,7 +20,7 @@ def values(numbers: list[int], unit: str = "time", **limits: int) -> Values:
 
 
 @given(TICKS)
-def test_each_value_is_in_the_bin_that_is_said_to_hold_it(numbers: list[int]) -> None:
+def test_each_value_is_in_the_bin_with_its_range(numbers: list[int]) -> None:
     found = distribution(values(numbers), PER_NS)
     size = {"ns": 1, "us": 10**3, "ms": 10**6, "s": 10**9}[found.unit] * PER_NS
     assert found.count == len(numbers)
@@ -32,7 +32,7 @@ def test_each_value_is_in_the_bin_that_is_said_to_hold_it(numbers: list[int]) ->
 
 
 @given(TICKS)
-def test_quantiles_are_values_that_were_measured_by_nearest_rank(numbers: list[int]) -> None:
+def test_quantiles_are_measured_values_of_nearest_rank(numbers: list[int]) -> None:
     found = dict(distribution(values(numbers, "words"), 1).quantiles)
     wanted = np.percentile(numbers, [50, 95, 99], method="inverted_cdf")
     assert list(found.values()) == wanted.tolist()
@@ -53,7 +53,7 @@ def test_the_unit_suits_the_largest_value(ticks: int, unit: str, worst: float) -
     assert (found.unit, found.worst) == (unit, pytest.approx(worst))
 
 
-def test_counts_have_a_bin_each_where_there_are_few() -> None:
+def test_each_of_few_counts_has_a_bin() -> None:
     found = distribution(values([0, 1, 1, 12], "words", max=13), PER_NS)
     assert [(one.begin, one.end, one.count) for one in found.bins] == [(0, 1, 1), (1, 2, 2), (12, 13, 1)]
     assert found.counted and found.unit == "words" and found.limits == (("max", 13),)
@@ -66,7 +66,7 @@ def test_bins_of_times_begin_at_whole_multiples_of_a_round_width() -> None:
     assert [one.begin / width for one in found.bins] == pytest.approx([10, 30, 50])
 
 
-def test_deviations_are_told_in_lsb_and_kept_in_millionths() -> None:
+def test_deviations_are_shown_in_lsb_and_kept_in_millionths() -> None:
     found = distribution(values([0, 1_500_000, 5_823_750], "LSB", max=2_000_000), PER_NS)
     assert (found.unit, found.counted, found.least, found.worst) == ("LSB", False, 0, 5.82375)
     assert found.limits == (("max", 2.0),) and found.quantiles[0] == ("median", 1.5)
@@ -86,7 +86,9 @@ def plotted(numbers: list[int], unit: str = "time", **limits: int) -> Plot:
     st.lists(st.integers(-(10**12), 10**12), min_size=1, max_size=4),
     st.sampled_from(["time", "words"]),
 )
-def test_all_of_it_is_on_the_paper_and_in_order(numbers: list[int], limits: list[int], unit: str) -> None:
+def test_all_bars_and_marks_are_inside_of_the_plot_and_in_order(
+    numbers: list[int], limits: list[int], unit: str
+) -> None:
     found = plotted(numbers, unit, **{f"p{n}": limit for n, limit in enumerate(limits)})
     for bar in found.bars:
         assert PAPER["left"] <= bar.x and bar.x + bar.width <= PAPER["right"] + 1
@@ -100,7 +102,7 @@ def test_all_of_it_is_on_the_paper_and_in_order(numbers: list[int], limits: list
 
 
 @given(st.lists(st.integers(0, 10**7), min_size=1, max_size=40), st.integers(0, 10**7))
-def test_a_value_above_its_limit_is_drawn_behind_it(numbers: list[int], limit: int) -> None:
+def test_a_value_above_its_limit_is_drawn_to_the_right_of_it(numbers: list[int], limit: int) -> None:
     found = plotted(numbers, max=limit)
     (rule,) = found.limits
     if max(numbers) > limit:
@@ -109,7 +111,7 @@ def test_a_value_above_its_limit_is_drawn_behind_it(numbers: list[int], limit: i
         assert found.worst.x <= rule.x
 
 
-def test_a_bar_is_where_the_axis_says() -> None:
+def test_a_bar_is_at_its_value_on_the_axis() -> None:
     found = plotted([5 * US, 25 * US, 45 * US], max=50 * US)
     axis = {text: x for x, text in found.across}
     assert list(axis) == ["10", "20", "30", "40", "50"]
@@ -118,7 +120,7 @@ def test_a_bar_is_where_the_axis_says() -> None:
     assert found.breaks == ()
 
 
-def test_a_limit_far_away_stands_behind_a_break_of_the_axis() -> None:
+def test_a_distant_limit_is_drawn_after_a_break_of_the_axis() -> None:
     found = plotted([5 * US, 6 * US], max=60 * US)
     assert len(found.breaks) == 1
     assert found.bars[-1].x < found.breaks[0] < found.limits[0].x
@@ -126,24 +128,24 @@ def test_a_limit_far_away_stands_behind_a_break_of_the_axis() -> None:
     assert below.limits[0].x < below.breaks[0] < below.bars[0].x
 
 
-def test_one_in_ten_thousand_is_seen() -> None:
+def test_one_value_in_ten_thousand_is_visible() -> None:
     found = plotted([5 * US] * 10_000 + [45 * US])
     assert found.bars[-1].height > 10
     assert [bar.says for bar in found.bars] == ["5 to 6 us: 10000 values", "45 to 46 us: 1 value"]
 
 
-def test_equal_values_are_a_bar_and_not_a_wall() -> None:
+def test_equal_values_are_one_narrow_bar() -> None:
     found = plotted([5 * US] * 3)
     assert len(found.bars) == 1 and found.bars[0].width < 30
     assert found.summary == "3 values, all 5 us"
 
 
-def test_limits_side_by_side_are_told_one_above_the_other() -> None:
+def test_labels_of_close_limits_are_one_above_the_other() -> None:
     found = plotted([n * US for n in range(10, 100)], p95=60 * US, p99=62 * US, max=90 * US)
     assert [(rule.text, rule.row) for rule in found.limits] == [("p95 60 us", 0), ("p99 62 us", 1), ("max 90 us", 0)]
 
 
-def test_a_count_stands_in_the_middle_of_its_bar() -> None:
+def test_a_count_is_in_the_middle_of_its_bar() -> None:
     found = plotted([10, 11, 12], "words", max=13)
     middle = found.bars[-1].x + (found.bars[-1].width + 0.6) / 2
     assert abs(found.worst.x - middle) < 0.1

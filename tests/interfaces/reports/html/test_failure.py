@@ -1,4 +1,4 @@
-"""The sentence that says what failed and why: verdicts and chains made by hand, and every word of it."""
+"""The sentence about a failure and its cause, from verdicts and chains built by hand."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from periph_sim.interfaces.reports.html.failure import Failure, SourceLines, fai
 from periph_sim.timing.verdict import Verdict, broken
 from tests.interfaces.reports.html.made import US, budget, run_of
 
-LATE = budget("response", 12.0).verdict  # at most 10 us
+LATE = budget("response", 12.0).verdict  # the limit is 10 us
 PLACE = FirmwarePlace("batch_read", 98, Path("/home/somebody/imu_hil.py"))
 RATE = 1_000_000 * US
 
@@ -22,14 +22,14 @@ def chain(*parts: Part, more: tuple[Part, ...] = (), blame: Part | None = None, 
     return Chain(LATE, Timebase(RATE), length, (), parts, more=more, blame=blame)
 
 
-def told(verdict: Verdict, of: Chain | None = None, *numbers: int) -> Failure:
+def failure_of(verdict: Verdict, of: Chain | None = None, *numbers: int) -> Failure:
     return failure(verdict, False, of, run_of(list(numbers), max=10) if numbers else None, RATE)
 
 
-def test_measure_limit_and_instant_are_told_as_in_the_terminal() -> None:
-    assert told(LATE).what == "12.000 us is over its limit of 10.000 us, at 0.012345 s" == broken(LATE)
+def test_measure_limit_and_instant_are_worded_as_in_the_terminal() -> None:
+    assert failure_of(LATE).what == "12.000 us is over its limit of 10.000 us, at 0.012345 s" == broken(LATE)
     words = replace(LATE, which="min", unit="words", worst=12, limit=13, margin=-1, at_s=None)
-    assert told(words).what == "12 words is under its limit of 13 words"
+    assert failure_of(words).what == "12 words is under its limit of 13 words"
 
 
 @pytest.mark.parametrize(
@@ -39,11 +39,11 @@ def test_measure_limit_and_instant_are_told_as_in_the_terminal() -> None:
         ([12], ""),
         ([5, 12, 5], "It is the only one of 3 occurrences that is beyond the limit"),
         ([5, 11, 12], "2 of 3 occurrences are beyond the limit, the first at 0.002000 s"),
-        ([5, 6], ""),  # a percentile: no value is beyond it alone
+        ([5, 6], ""),  # a percentile, which no single value breaks
     ],
 )
-def test_how_often_it_happens_is_told(numbers: list[int], count: str) -> None:
-    assert told(LATE, None, *numbers).count == count
+def test_the_number_of_violations_is_stated(numbers: list[int], count: str) -> None:
+    assert failure_of(LATE, None, *numbers).count == count
 
 
 WHERE = "imu_hil.py:98 (batch_read)"
@@ -76,10 +76,8 @@ OVERRUN = "memory: the write at 0x001f went beyond its page's end"
         (chain(), "", ""),
     ],
 )
-def test_the_cause_is_what_the_chain_blames_with_its_place_in_the_firmware_or_the_longest_part(
-    of: Chain, why: str, place: str
-) -> None:
-    found = told(LATE, of)
+def test_the_cause_is_the_blamed_part_of_the_chain_or_the_longest_one(of: Chain, why: str, place: str) -> None:
+    found = failure_of(LATE, of)
     assert (found.why, found.place) == (why, place)
 
 
@@ -88,25 +86,25 @@ def test_a_budget_that_holds_has_no_sentence_and_a_known_break_has_one() -> None
     assert failure(LATE, True, None, None, RATE) == Failure("12.000 us is over its limit of 10.000 us, at 0.012345 s")
 
 
-def test_a_known_bug_that_is_gone_and_a_budget_that_was_not_judged_are_told() -> None:
+def test_a_fixed_bug_and_a_budget_that_was_not_judged_have_a_sentence() -> None:
     gone = failure(budget("a", 2.0).verdict, True, None, None, RATE)
     assert gone == Failure("2.000 us holds, but the budget is listed in breaks")
     unjudged = replace(budget("a", 2.0).verdict, verdict="not judged")
-    assert told(unjudged).what == "not judged: nothing was measured by 'response'"
-    assert told(replace(unjudged, found="no event matched 'x'")).what == "not judged: no event matched 'x'"
+    assert failure_of(unjudged).what == "not judged: nothing was measured by 'response'"
+    assert failure_of(replace(unjudged, found="no event matched 'x'")).what == "not judged: no event matched 'x'"
 
 
 def test_the_line_of_the_cause_is_shown_with_its_neighbours(tmp_path: Path) -> None:
     file = tmp_path / "slave.py"
     file.write_text("import x\n\ndef main():\n    if a:\n        b()\n    c()\n", encoding="utf-8")
     part = Part("span", "frame", 12 * US, 1, FirmwarePlace("main", 4, file))
-    found = told(LATE, chain(part))
+    found = failure_of(LATE, chain(part))
     lines = ((2, ""), (3, "def main():"), (4, "    if a:"), (5, "        b()"), (6, "    c()"))
     assert found.source == SourceLines("slave.py:4 (main)", 4, lines)
     near_end = source_around(FirmwarePlace("main", 6, file))
     assert near_end is not None and near_end.lines == ((4, "if a:"), (5, "    b()"), (6, "c()"))
     steps = (Step(0, "a", place=FirmwarePlace("main", 4, file)), Step(1, "b"))  # the cause is on the bus
-    of_step = told(LATE, replace(chain(Part("bus", "bits", 12 * US)), steps=steps))
+    of_step = failure_of(LATE, replace(chain(Part("bus", "bits", 12 * US)), steps=steps))
     assert (of_step.place, of_step.source) == ("", found.source)
 
 

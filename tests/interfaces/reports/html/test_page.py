@@ -1,4 +1,4 @@
-"""The page as text: it parses, it needs nothing else, it says all that was measured, and nothing breaks out of it."""
+"""The page as text: it is valid, complete and self-contained, and texts of the case cannot inject HTML."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from tests.interfaces.reports.html.made import US, budget, drawn, report, report
 
 ROOT = Path(__file__).parents[4]
 MOST = 5_000_000  # bytes, for 10 s
-COUNTED = ("missed rounds", "nacked rounds", "wrong bytes", "overruns")  # one number a run
+COUNTED = ("missed rounds", "nacked rounds", "wrong bytes", "overruns")  # these have one number per run
 
 
 def parsed(text: str) -> Element:
-    """The page as a browser reads it; an error of HTML is an error here."""
+    """Parse the page as a browser does, but fail at any HTML error."""
     return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
 
 
@@ -38,7 +38,7 @@ def said(element: Element) -> str:
 
 @pytest.fixture(scope="module")
 def imu_hil() -> tuple[CaseReport, str]:
-    """The report of the reference case, all ten seconds of it."""
+    """Return the report of the reference case, run for its full ten seconds, and its page."""
     found = report_of(ROOT / "timing" / "imu_hil_published.toml")
     return found, page([found], found.name)
 
@@ -69,7 +69,7 @@ def test_every_value_that_was_measured_is_in_a_plot(imu_hil: tuple[CaseReport, s
 
 
 @pytest.mark.long
-def test_all_budgets_are_there_with_figures_reason_and_source(imu_hil: tuple[CaseReport, str]) -> None:
+def test_every_budget_has_figures_reason_and_source(imu_hil: tuple[CaseReport, str]) -> None:
     report, text = imu_hil
     rows = parsed(text).findall(".//div[@class='verdicts']//tbody/tr")
     assert [said(row.find("td")) for row in rows] == [one.verdict.name for one in report.budgets]
@@ -82,14 +82,14 @@ def test_all_budgets_are_there_with_figures_reason_and_source(imu_hil: tuple[Cas
 
 
 @pytest.mark.long
-def test_the_page_says_what_was_run(imu_hil: tuple[CaseReport, str]) -> None:
+def test_the_page_describes_the_run(imu_hil: tuple[CaseReport, str]) -> None:
     root = parsed(imu_hil[1])
     assert "imu_hil_published PASS, as seen in this run" in said(root.find(".//header"))
     for part in ("10 s", "SYSCLKOUT of dsp 150 MHz", "dsp.i2c.xrdy_w1c"):
         assert part in said(root.find(".//article"))
 
 
-def test_broken_budgets_come_first_and_known_bugs_behind_them(small: CaseReport) -> None:
+def test_broken_budgets_are_first_and_known_bugs_follow(small: CaseReport) -> None:
     rows = parsed(page([small], "small")).findall(".//div[@class='verdicts']//tbody/tr")
     names = ["<script>alert(1)</script>", "misspelt", "known bug", "response", "words", "nothing"]
     assert [said(row.find("td")) for row in rows] == names
@@ -97,7 +97,7 @@ def test_broken_budgets_come_first_and_known_bugs_behind_them(small: CaseReport)
     assert "broken, as it must" in said(rows[2])
 
 
-def test_failures_are_in_order_of_time_and_known_breaks_have_their_cause_too(small: CaseReport) -> None:
+def test_failures_are_in_order_of_time_and_known_breaks_have_a_cause(small: CaseReport) -> None:
     late, early = (
         replace(budget(name, 30.0), failure=Failure(f"of {name}"), over_time=run_of(numbers, max=10))
         for name, numbers in (("late", [1, 2, 30]), ("early", [1, 20, 30]))
@@ -134,7 +134,7 @@ def test_further_failures_are_counted_and_marked_as_known_if_all_are(
     assert (said(last), last.get("class")) == (text, mark)
 
 
-def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> None:
+def test_texts_of_a_case_cannot_inject_html(small: CaseReport) -> None:
     evil = "</script><script>alert(3)</script>\"'><img src=x onerror=alert(4)>&amp;"
     timeline = drawn()
     timeline.groups[0][1][0].says[0] = evil
@@ -189,7 +189,7 @@ def test_assumptions_have_their_number_in_the_head() -> None:
     assert "<summary>Assumes 2 undocumented behaviours</summary>" in page([both], "a report")
 
 
-def test_notes_stand_open_on_the_page_and_only_those_from_the_fourth_on_are_folded() -> None:
+def test_the_first_three_notes_are_visible_and_the_others_folded() -> None:
     notes = ("eeprom: a page overrun", "b", "c", "d")
     tree = parsed(page([replace(report(budget("a", 2.0)), options=("x",), notes=notes)], "a report"))
     (shown,) = (e for e in tree.iter("ul") if e.get("class") == "notes")
@@ -208,16 +208,16 @@ def test_a_page_refers_to_nothing_outside_of_it(imu_hil: tuple[CaseReport, str])
     for style in tree.findall(".//style"):
         assert "url(" not in style.text and "@import" not in style.text
     addresses = set(re.findall(r"https?://[^\s\"'<]*", imu_hil[1]))
-    assert addresses == {"http://www.w3.org/2000/svg"}  # a name, which nobody fetches
+    assert addresses == {"http://www.w3.org/2000/svg"}  # a namespace, which is not fetched
 
 
-def test_nothing_tells_on_which_machine_it_was_made(tmp_path: Path) -> None:
+def test_the_page_contains_no_path_of_the_machine(tmp_path: Path) -> None:
     text = page([small_report(tmp_path)], "small")
     for path in (str(tmp_path), str(ROOT), str(Path.home()), "/tmp/"):
         assert path not in text
 
 
-def test_equal_runs_make_equal_pages_but_for_the_wall_time(small: CaseReport, tmp_path: Path) -> None:
+def test_pages_of_equal_runs_differ_in_the_wall_time_only(small: CaseReport, tmp_path: Path) -> None:
     again = small_report(tmp_path)
     assert page([again], "x") == page([small], "x")
     slower = page([replace(small, wall_s=7.5)], "x")
@@ -229,7 +229,7 @@ def test_equal_runs_make_equal_pages_but_for_the_wall_time(small: CaseReport, tm
     assert cut(slower) == cut(page([small], "x"))
 
 
-def test_a_case_without_budgets_is_a_page(tmp_path: Path) -> None:
+def test_a_case_without_budgets_has_a_page(tmp_path: Path) -> None:
     tree = parsed(page([report()], "empty"))
     assert "by hand" not in said(tree.find(".//h1")) and "empty PASS, as seen in this run" in said(tree.find(".//h1"))
 
@@ -242,7 +242,7 @@ def test_an_overview_counts_cases_and_marks_findings(small: CaseReport) -> None:
     assert [said(item) for item in tree.findall(".//article//ul[@class='findings']/li")] == list(broken.findings)
 
 
-def test_joined_conditions_stand_among_the_limits(tmp_path: Path) -> None:
+def test_joined_conditions_are_listed_as_limits(tmp_path: Path) -> None:
     text = (ROOT / "timing" / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[budget]]")[0]
     text = text.replace('"10 s"', '"0.1 s"')
     joined = 'and = [{ measure = "value error of gyroscope", max = "2 LSB" }]'
@@ -261,9 +261,9 @@ def git(folder: Path, *command: str) -> str:
     return subprocess.run(["git", "-C", str(folder), *who, *command], check=True, capture_output=True, text=True).stdout
 
 
-def test_a_commit_is_told_and_whether_files_differ_from_it(tmp_path: Path) -> None:
+def test_the_commit_is_named_and_marked_if_files_differ_from_it(tmp_path: Path) -> None:
     git(tmp_path, "init", "-q")
-    assert commit_of(tmp_path) == ""  # none yet
+    assert commit_of(tmp_path) == ""  # there is no commit yet
     case = tmp_path / "timing" / "case.toml"
     case.parent.mkdir()
     case.write_text("a", encoding="utf-8")
@@ -276,14 +276,14 @@ def test_a_commit_is_told_and_whether_files_differ_from_it(tmp_path: Path) -> No
     assert commit_of(case.parent) == f"{commit}, and uncommitted changes"
 
 
-def test_without_a_repository_or_git_there_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_repository_or_git_there_is_no_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
     assert commit_of(tmp_path) == "" and commit_of(tmp_path / "nowhere") == ""
     monkeypatch.setenv("PATH", "")
     assert commit_of(Path(__file__).parent) == ""
 
 
-def test_versions_name_the_form_of_the_core() -> None:
+def test_versions_include_the_form_of_the_core() -> None:
     assert versions().startswith(f"periph-sim {periph_sim.__version__}, {form.running}, Python 3.")
 
 
@@ -292,7 +292,7 @@ PLACE = FirmwarePlace("batch_read", 98, Path("/home/somebody/imu_hil.py"))
 
 
 def explained(chain: Chain) -> tuple[list[list[Element]], list[str]]:
-    """The rows of the tables of an explanation, and the quiet sentences beside them."""
+    """Return the rows of the tables of an explanation and the sentences in class `quiet`."""
     text = page([report(replace(RESPONSE, explanation=chain))], "by hand")
     root = parsed(text)
     tables = root.findall(".//table[@class='chain']")
@@ -303,7 +303,7 @@ def cells(row: Element) -> list[str]:
     return ["".join(cell.itertext()) for cell in row]
 
 
-def test_steps_and_shares_are_told_with_their_places_but_not_with_folders() -> None:
+def test_steps_and_shares_have_their_places_without_folders() -> None:
     (steps, shares), quiet = explained(
         Chain(
             RESPONSE.verdict,
@@ -322,7 +322,7 @@ def test_steps_and_shares_are_told_with_their_places_but_not_with_folders() -> N
     ]
     assert [[row.find(".//span[@class='share']").get("title"), *cells(row)] for row in shares] == [
         ["75.0 %", "6.000 us", "", f"SCIRXINTA, 3 times {place} (+3.000 us)"],
-        ["25.0 %", "2.000 us", "", "wait for AAS"],  # a third of a nanosecond less is not worth a word
+        ["25.0 %", "2.000 us", "", "wait for AAS"],  # a difference of a third of a nanosecond is not shown
     ]
     assert "Its least critical occurrence took 5.000 us; in brackets: the difference from it." in quiet
 

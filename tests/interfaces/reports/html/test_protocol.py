@@ -1,4 +1,4 @@
-"""Rows of the protocol table: held against the records of the run that they are of."""
+"""Rows of the protocol table, compared with the records of their run."""
 
 from __future__ import annotations
 
@@ -36,6 +36,6 @@ def test_frames_without_a_pause_are_one_row(words: Timeline, records: list[Recor
     assert 1 <= len(rows) < len(sent) and rows[0].at == sent[0].tick - words.origin
 
 
-def test_rows_are_in_order_and_in_the_json(response) -> None:  # type: ignore[no-untyped-def]
+def test_rows_are_in_order_of_time_and_in_the_json(response) -> None:  # type: ignore[no-untyped-def]
     assert [row.at for row in response.rows] == sorted(row.at for row in response.rows)
     assert response.json()["rows"][0] == response.rows[0]

@@ -1,4 +1,4 @@
-"""The HTML page of a replay: a row for each divergence, with the waves of the replay above those of the capture."""
+"""The HTML page of a replay has a row for each divergence, with the waves of the replay above those of the capture."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.traces.formats.make_traces import FOLDER
 
 __all__ = ["memory"]  # a fixture
 
-BUSY = 900  # us; the memory of the capture refuses three polls, 310 us apart
+BUSY = 900  # us; the captured memory refuses three polls, 310 us apart
 
 
 def reported(case: Path, player: type[Replay], *arguments: object, changes: tuple[str, ...] = ()) -> CaseReport:
@@ -55,7 +55,7 @@ def test_a_wrong_byte_is_marked_in_the_waves_of_the_replay_and_of_the_capture_be
     assert "expected data read 21" in page([report], report.name)
 
 
-def test_the_captured_waves_are_those_of_the_replay_where_both_agree(memory: Path):
+def test_the_captured_waves_equal_those_of_the_replay_where_both_agree(memory: Path):
     changes = ("unit.dsp.settings.broken=true", f"unit.dsp.settings.busy_us={BUSY}")
     (row,) = reported(memory, I2cReplay, stored_and_read(3), "SCL", "SDA", [0x50], changes=changes).budgets
     lanes = {lane.name: lane for _, group in row.timeline.groups for lane in group}

@@ -1,4 +1,4 @@
-"""Lanes: what the timeline draws is what was recorded, held against the records of a run of its own."""
+"""Lanes of the timeline, compared with the records of a separate run."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _step:    MOVW  DP,#_count >> 6
 
 @pytest.fixture(scope="module")
 def records(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
-    """Everything that happens in the small case."""
+    """Return all records of the small case."""
     path = tmp_path_factory.mktemp("records") / "small.toml"
     path.write_text(CASE, encoding="utf-8")
     found: list[Record] = []
@@ -66,7 +66,7 @@ def response(small: CaseReport) -> Timeline:
 
 @pytest.fixture(scope="module")
 def words(small: CaseReport) -> Timeline:
-    """The timeline around the fullest FIFO, with the characters of the host."""
+    """Return the timeline around the highest FIFO level, with the characters of the host."""
     return small.budgets[3].timeline
 
 
@@ -79,7 +79,7 @@ def within(timeline: Timeline, records: list[Record]) -> list[Record]:
     return [r for r in records if first <= r.tick - timeline.origin <= last]
 
 
-def test_waves_turn_over_where_the_wires_did(response: Timeline, records: list[Record]) -> None:
+def test_waves_have_the_edges_of_the_wires(response: Timeline, records: list[Record]) -> None:
     for group, wire in (("I2C bus", "SCL"), ("I2C bus", "SDA"), ("UART", "RX")):
         wave = lane(response, group, wire)
         edges = [r for r in within(response, records) if r.kind is Kind.EDGE and r.where == wire]
@@ -88,20 +88,20 @@ def test_waves_turn_over_where_the_wires_did(response: Timeline, records: list[R
         assert wave.initial == 1 - edges[0].value
 
 
-def test_a_flag_is_drawn_as_it_changed_and_says_what_it_means(response: Timeline, records: list[Record]) -> None:
+def test_a_flag_is_drawn_with_its_changes_and_their_meaning(response: Timeline, records: list[Record]) -> None:
     wave = lane(response, "flags", "I2CSTR.XRDY")
     changes = [r for r in within(response, records) if r.kind is Kind.FLAG and r.what == "I2CSTR.XRDY"]
     assert wave.kind == "wave"
     assert wave.at == [r.tick - response.origin for r in changes]
-    said = wave.says
+    message = wave.says
     assert all(
-        f"I2C-A.I2CSTR.XRDY {'set' if r.value else 'cleared'}" in text for r, text in zip(changes, said, strict=True)
+        f"I2C-A.I2CSTR.XRDY {'set' if r.value else 'cleared'}" in text for r, text in zip(changes, message, strict=True)
     )
-    assert any("by the write of I2C-A.I2CDXR at batch_read:" in text for text in said)
-    assert "[SPRUG03B table 10]" in said[0]
+    assert any("by the write of I2C-A.I2CDXR at batch_read:" in text for text in message)
+    assert "[SPRUG03B table 10]" in message[0]
 
 
-def test_a_field_of_several_bits_is_boxes_that_follow_each_other(words: Timeline, records: list[Record]) -> None:
+def test_a_field_of_several_bits_is_a_row_of_boxes(words: Timeline, records: list[Record]) -> None:
     boxes = lane(words, "flags", "SCIFFRX.RXFFST")
     changes = [r for r in within(words, records) if r.kind is Kind.FLAG and r.what == "SCIFFRX.RXFFST"]
     assert boxes.kind == "boxes"
@@ -119,17 +119,17 @@ def test_accesses_have_value_and_place(response: Timeline, records: list[Record]
     assert marks.says[0].startswith("write of I2C-A I2CDXR=")
 
 
-def test_bytes_are_those_that_the_controller_put_on_the_wire(response: Timeline, records: list[Record]) -> None:
+def test_bytes_equal_those_of_the_controller(response: Timeline, records: list[Record]) -> None:
     boxes = lane(response, "I2C bus", "bytes")
     assert boxes.kind == "boxes"
-    said = boxes.labels
+    message = boxes.labels
     whole = [r for r in within(response, records) if r.kind is Kind.BUS]
-    assert said.count("S") == sum(r.what == "START" for r in whole)
-    assert said.count("P") == sum(r.what == "STOP" for r in whole)
+    assert message.count("S") == sum(r.what == "START" for r in whole)
+    assert message.count("P") == sum(r.what == "STOP" for r in whole)
     addresses = [f"0x{r.value >> 1 >> 1:02X} {'R' if r.value >> 1 & 1 else 'W'}" for r in whole if r.what == "address"]
-    assert [text for text in said if text.endswith((" R", " W"))] == addresses
+    assert [text for text in message if text.endswith((" R", " W"))] == addresses
     data = [f"0x{r.value >> 1:02X}" for r in whole if r.what == "byte"]
-    assert [text for text in said if len(text) == 4] == data
+    assert [text for text in message if len(text) == 4] == data
 
 
 def test_characters_on_rx_are_divided_into_their_ten_bits(words: Timeline, records: list[Record]) -> None:
@@ -162,7 +162,7 @@ def test_service_routines_and_waits_last_from_their_begin_to_their_end(words: Ti
         assert set(begins) <= set(boxes.at) and set(ends) <= set(boxes.end)
 
 
-def test_the_json_gives_back_every_instant(response: Timeline) -> None:
+def test_the_json_has_every_instant(response: Timeline) -> None:
     json = response.json()
     for (_, lanes_), group in zip(response.groups, json["groups"], strict=True):
         for one, packed in zip(lanes_, group["lanes"], strict=True):
@@ -170,7 +170,7 @@ def test_the_json_gives_back_every_instant(response: Timeline) -> None:
             assert [json["says"][place] for place in packed["says"]] == one.says
 
 
-def test_a_window_with_too_much_in_it_is_cut_around_the_occurrence(
+def test_a_window_with_too_many_events_is_cut_around_the_occurrence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(gather, "MOST_OF_PASSED", 120)
@@ -180,7 +180,7 @@ def test_a_window_with_too_much_in_it_is_cut_around_the_occurrence(
     assert 60 < events <= 120
 
 
-def test_lanes_of_an_answer_are_those_that_its_explanation_is_about(response: Timeline) -> None:
+def test_lanes_of_a_response_are_those_of_its_explanation(response: Timeline) -> None:
     chosen = {one.name for _, lanes_ in response.groups for one in lanes_ if one.chosen}
     assert {"SCL", "SDA", "bytes", "I2CSTR.XRDY", "I2CSTR.SDIR", "wait", "I2CDXR"} <= chosen
     assert not chosen & {"RX", "RX bytes", "MODEL", "SCIFFRX.RXFFST", "I2CSTR.NACK"}

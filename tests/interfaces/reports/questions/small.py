@@ -43,7 +43,7 @@ LENGTH = Fraction(20, 1_000_000)
 
 
 def written(folder: Path, case: str = CASE, firmware: str = FIRMWARE) -> Path:
-    """Write the case and its firmware; the case's path is returned."""
+    """Write the case and its firmware, and return the path of the case."""
     (folder / "mine.py").write_text(firmware, encoding="utf-8")
     file = folder / "small.toml"
     file.write_text(case, encoding="utf-8")
@@ -55,7 +55,7 @@ def explored(file: Path, *changes: str) -> Exploration:
 
 
 def answers(explored: Exploration) -> list[dict[str, object]]:
-    """The answers of each run, without the unit."""
+    """Return the answers of each run, without the unit's name."""
     return [{a.question.name.removeprefix("dsp."): a.value for a in one.answers} for one in explored.attempts]
 
 
@@ -64,6 +64,6 @@ def by_name(explored: Exploration) -> dict[str, Dependence]:
 
 
 def departures(explored: Exploration, budget: str) -> list[tuple[dict[str, object], str]]:
-    """The answers and the verdicts of the runs in which the verdict of a budget differs."""
+    """Return answers and verdict of the runs in which the verdict of the budget differs."""
     tried = answers(explored)
     return [(tried[one.number], one.word) for one in by_name(explored)[budget].departures]

@@ -50,15 +50,15 @@ CHANGED = "dsp.SCI-A.SCIHBAUD.BAUD = 7 at 0.100 us"
         ((GONE,), (), None, READ),
     ],
 )
-def test_an_event_that_comes_later_or_is_another_one_or_is_missing_is_the_difference(
+def test_a_later_a_changed_or_a_missing_event_is_the_difference(
     tmp_path: Path, before: tuple[str, ...], answers: tuple[str, ...], base: str | None, other: str | None
 ) -> None:
     (tmp_path / "five.py").write_text(FIRMWARE.replace("= 7", "= 5"), encoding="utf-8")
     fails = FIRMWARE.replace("sci.SCILBAUD.all = 7", "raise ValueError('no')")
     (tmp_path / "fails.py").write_text(fails, encoding="utf-8")
-    came = compared(written(tmp_path), *answers, before=before)
-    assert [event and f"{event.text} at {event.at_s * 1e6:.3f} us" for event in came] == [base, other]
-    assert [event and f"{event.text} at {event.at}" for event in came] == [base, other]
+    result = compared(written(tmp_path), *answers, before=before)
+    assert [event and f"{event.text} at {event.at_s * 1e6:.3f} us" for event in result] == [base, other]
+    assert [event and f"{event.text} at {event.at}" for event in result] == [base, other]
 
 
 def test_runs_that_do_not_differ_have_no_first_difference(tmp_path: Path) -> None:
@@ -71,24 +71,20 @@ def test_a_difference_in_a_later_slice_is_found_and_one_after_the_end_is_not(
 ) -> None:
     late = FIRMWARE.replace("    with dsp", "    dsp.compute(1500)\n    with dsp")
     monkeypatch.setattr(module, "SLICE", Fraction(1, 1_000_000))
-    came = compared(written(tmp_path, firmware=late), LATE)
-    assert came is not None and came.base is not None and came.base.at == "10.100 us"
+    result = compared(written(tmp_path, firmware=late), LATE)
+    assert result is not None and result.base is not None and result.base.at == "10.100 us"
     assert compared(tmp_path / "small.toml", LATE, length=Fraction(9, 1_000_000)) is None
 
 
-def test_an_event_that_comes_after_the_slice_is_later_and_not_missing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_event_after_the_slice_is_later_and_not_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "SLICE", Fraction(11, 100_000_000))
-    came = compared(written(tmp_path), LATE)
-    assert came is not None and came.base is not None and came.other is not None
-    assert (came.base.at, came.other.at) == ("0.100 us", "0.200 us")
+    result = compared(written(tmp_path), LATE)
+    assert result is not None and result.base is not None and result.other is not None
+    assert (result.base.at, result.other.at) == ("0.100 us", "0.200 us")
 
 
-def test_the_other_runs_are_compared_though_one_cannot_be_built(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The answer of the question about the clock gate is one with which no scene can be built."""
+def test_the_other_runs_are_compared_if_one_cannot_be_built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With one answer to the question about the clock gate, no scene can be built."""
     build = PreparedScene.scene
 
     def refusing(self: PreparedScene, changes: Sequence[str] = (), *others: Any) -> Scene:
@@ -98,9 +94,9 @@ def test_the_other_runs_are_compared_though_one_cannot_be_built(
 
     monkeypatch.setattr(PreparedScene, "scene", refusing)
     file = written(tmp_path)
-    came = explored(file, "budget.work.max=183.333 ns")
-    found = first_differences(file, ["budget.work.max=183.333 ns"], LENGTH, came.attempts, dependences(came))
-    alone = [attempt.answers[0].change if len(attempt.answers) == 1 else "" for attempt in came.attempts]
+    result = explored(file, "budget.work.max=183.333 ns")
+    found = first_differences(file, ["budget.work.max=183.333 ns"], LENGTH, result.attempts, dependences(result))
+    alone = [attempt.answers[0].change if len(attempt.answers) == 1 else "" for attempt in result.attempts]
     assert found[alone.index(GATE)] is not None and len(found) == 3
 
 
@@ -108,11 +104,11 @@ def test_a_pair_is_compared_with_its_first_answer_and_the_number_is_limited(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = written(tmp_path)
-    came = explored(file, "budget.work.max=183.333 ns")  # 27.5 cycles
-    found = first_differences(file, ["budget.work.max=183.333 ns"], LENGTH, came.attempts, dependences(came))
+    result = explored(file, "budget.work.max=183.333 ns")  # 27.5 cycles
+    found = first_differences(file, ["budget.work.max=183.333 ns"], LENGTH, result.attempts, dependences(result))
     alone, pair = found.values()
     assert alone is not None and pair is not None and alone.base is not None and pair.base is not None
     assert (alone.base.at, pair.base.at) == ("0.100 us", "0.187 us")  # the pair's first answer delays it by 13 cycles
     monkeypatch.setattr(module, "MOST_EXPLAINED", 1)
-    fewer = first_differences(file, [], LENGTH, came.attempts, dependences(came))
+    fewer = first_differences(file, [], LENGTH, result.attempts, dependences(result))
     assert [*fewer] == [next(iter(found))]

@@ -1,4 +1,4 @@
-"""Questions of a scene: their keys, the answers that are tried, and which of them are tried in pairs."""
+"""Questions of a scene: their keys, the answers that are tried, and which ones are tried in pairs."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_all_other_values_or_the_bounds_and_the_neighbours_are_tried(
     assert other_answers(FIELDS[name], answer) == others
 
 
-def test_the_answer_of_the_case_counts_and_not_the_default(tmp_path: Path) -> None:
+def test_the_answer_of_the_case_replaces_the_default(tmp_path: Path) -> None:
     case = load(written(tmp_path), ["unit.dsp.options.system.pf2_read_ws=7"])
     one = questions_of(Scene(case), ["dsp.system.pf2_read_ws"])["dsp.system.pf2_read_ws"]
     assert (one.default, one.others) == (7, (0, 6, 8, 15))
@@ -60,7 +60,7 @@ def test_the_answer_of_the_case_counts_and_not_the_default(tmp_path: Path) -> No
         ("real_chips.toml", "itg3200.burst"),
     ],
 )
-def test_each_answer_is_a_change_that_the_case_takes(file: str, name: str) -> None:
+def test_each_answer_is_a_valid_change_of_the_case(file: str, name: str) -> None:
     scene = Scene(load(TIMING / file))
     if name.startswith("itg3200"):
         name = f"{next(chip for chip, table in scene.case.chip.items() if table.model == 'itg3200')}.burst"
@@ -96,13 +96,13 @@ def test_values_are_shown_as_in_a_case() -> None:
     assert [shown(value) for value in (True, 3, "fall8")] == ["true", "3", "fall8"]
 
 
-OF_CPU = {"IFR"}  # a register of the CPU, which no module has
+CPU_REGISTERS = {"IFR"}  # a register of the CPU, which belongs to no module
 
 
 @pytest.mark.parametrize("group", ["i2c", "sci", "spi", "system"])
 def test_the_registers_that_options_declare_are_registers_of_their_module(group: str) -> None:
     maps = [module.registers for module in PART.modules if module.options == group]
-    known = {register.name for one in maps for register in one} | OF_CPU
+    known = {register.name for one in maps for register in one} | CPU_REGISTERS
     declared = {
         field.name: field.metadata["registers"].split() for field in dataclasses.fields(PART.options_classes()[group])
     }

@@ -1,4 +1,4 @@
-"""Firmware that workers of another process import by name."""
+"""Firmware that worker processes import by its name."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def pausing(dsp: Any, settings: Any) -> None:
-    """Ten spans of 10 us."""
+    """Run ten spans of 10 us and wait for ever."""
     for _ in range(10):
         with dsp.span("work"):
             dsp.compute(1500)
@@ -15,6 +15,6 @@ def pausing(dsp: Any, settings: Any) -> None:
 
 
 def dying(dsp: Any, settings: Any) -> None:
-    """Takes its process with it."""
+    """End the process."""
     dsp.compute(100)
     os._exit(3)

@@ -1,4 +1,4 @@
-"""Values of a key as one text: lists and ranges, exact, in the unit of the step."""
+"""The values of a key from one text: lists and exact ranges in the unit of the step."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from periph_sim.scene.case.model import BadCase
         ("-0.05 to -0.04 step 0.005", ["-0.05", "-0.045", "-0.04"]),
     ],
 )
-def test_values(text: str, values: list[str]) -> None:
+def test_a_text_is_split_into_values(text: str, values: list[str]) -> None:
     assert values_of("key", text) == values
 
 
@@ -48,7 +48,7 @@ def test_values(text: str, values: list[str]) -> None:
         ("0 s to 1 s step 1 ns", "it has 1000000001 values; give a larger step"),
     ],
 )
-def test_a_mistake_is_a_sentence(text: str, sentence: str) -> None:
+def test_an_invalid_text_is_one_error_message(text: str, sentence: str) -> None:
     with pytest.raises(BadCase) as error:
         values_of("key", text)
     assert sentence in str(error.value) and "\n" not in str(error.value)

@@ -1,4 +1,4 @@
-"""Sweeps: the same rows in the same order whoever makes them, as arrays; one run that fails loses no other."""
+"""Sweeps: rows and their order are equal with any executor, columns are arrays, and a failed run affects no other."""
 
 from __future__ import annotations
 
@@ -84,8 +84,8 @@ def case(tmp_path: Path) -> Path:
     return file
 
 
-class Backwards(Executor):
-    """Makes what it is given only when the first result is asked for, the last first."""
+class ReverseExecutor(Executor):
+    """An executor that makes all its calls, in reverse order, when the first result is requested."""
 
     def __init__(self) -> None:
         self.waiting: list[tuple[Future[object], Callable[[], object]]] = []
@@ -107,7 +107,7 @@ class Backwards(Executor):
 
 @contextmanager
 def dask_executor() -> Iterator[Executor]:
-    """Of a local cluster of two processes."""
+    """Yield the executor of a local Dask cluster of two processes."""
     distributed = pytest.importorskip("distributed", reason="the extra dask is not there: pip install -e '.[dask]'")
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
@@ -119,16 +119,16 @@ def dask_executor() -> Iterator[Executor]:
 EXECUTORS: dict[str, Callable[[], object]] = {
     "threads": lambda: ThreadPoolExecutor(3),
     "processes": lambda: ProcessPoolExecutor(2, get_context("spawn")),
-    "backwards": Backwards,
+    "backwards": ReverseExecutor,
     "dask": dask_executor,
 }
 
 
-def figures(came: Sweep) -> dict[str, list[object]]:
-    """All columns, with NaN as None."""
+def figures(outcome: Sweep) -> dict[str, list[object]]:
+    """Return all columns, with None in place of NaN."""
     return {
         name: [None if value != value else value for value in column.tolist()]
-        for name, column in came.columns().items()
+        for name, column in outcome.columns().items()
     }
 
 
@@ -137,40 +137,40 @@ STUCK = "stuck: dsp waits for SCI-A.SCIRXST.RXRDY since {} and would for ever: P
 
 def test_a_column_for_each_figure_and_an_entry_for_each_run(case: Path) -> None:
     parts: list[float] = []
-    came = sweep(case, {WORK: LENGTHS}, jobs=1, on_progress=parts.append)
-    assert len(came) == 4 and came.case == "small"
+    outcome = sweep(case, {WORK: LENGTHS}, jobs=1, on_progress=parts.append)
+    assert len(outcome) == 4 and outcome.case == "small"
     assert parts == [0.25, 0.5, 0.75, 1.0]
-    assert came.changes[WORK].tolist() == LENGTHS
-    assert came.worst["work"].tolist() == WORST and came.worst["work"].dtype == np.float64
-    work, never = came.budgets["work"], came.budgets["never"]
+    assert outcome.changes[WORK].tolist() == LENGTHS
+    assert outcome.worst["work"].tolist() == WORST and outcome.worst["work"].dtype == np.float64
+    work, never = outcome.budgets["work"], outcome.budgets["never"]
     assert (work.measure, work.unit, work.limit.tolist()) == ("span:work", "us", [30.0] * 4)
     assert work.margin.tolist() == [10.0, 20.0, -10.0, 5.0]
     assert work.verdict.tolist() == ["pass", "pass", "broken", "pass"]
     assert (work.count.tolist(), work.at_s.tolist()) == ([1] * 4, [0.0] * 4)
     assert np.isnan(never.worst).all() and never.verdict.tolist() == ["not judged"] * 4
-    assert came.verdict.tolist() == ["fail"] * 4 and came.error[0] == STUCK.format("20.000 us")
-    assert came.simulated_s.tolist() == [0.0003] * 4
-    assert came.counts["overruns"].tolist() == [0] * 4
+    assert outcome.verdict.tolist() == ["fail"] * 4 and outcome.error[0] == STUCK.format("20.000 us")
+    assert outcome.simulated_s.tolist() == [0.0003] * 4
+    assert outcome.counts["overruns"].tolist() == [0] * 4
 
 
-def test_each_run_is_what_run_says_of_it(case: Path) -> None:
-    came = sweep(case, {WORK: LENGTHS}, seconds="25 us", jobs=1)
+def test_each_run_equals_that_of_run(case: Path) -> None:
+    outcome = sweep(case, {WORK: LENGTHS}, seconds="25 us", jobs=1)
     for row, length in enumerate(LENGTHS):
         alone = run(case, [f"{WORK}={length}"], seconds=Fraction(25, 1_000_000))
         words = ["pass" if one.passed else one.word for one in alone.budgets]
-        assert [budget.verdict[row] for budget in came.budgets.values()] == words
-        assert came.worst["work"][row] == alone.budgets[0].worst
-        assert came.verdict[row] == alone.verdict
-        assert (came.events[row], came.wire_bytes[row]) == (alone.events, alone.wire_bytes)
+        assert [budget.verdict[row] for budget in outcome.budgets.values()] == words
+        assert outcome.worst["work"][row] == alone.budgets[0].worst
+        assert outcome.verdict[row] == alone.verdict
+        assert (outcome.events[row], outcome.wire_bytes[row]) == (alone.events, alone.wire_bytes)
 
 
 def test_bytes_of_the_bus_and_of_both_directions_of_the_sci_have_columns(tmp_path: Path) -> None:
-    """A host sends a frame of 12 bytes; one program sends them back, the other one nothing."""
+    """A host sends a frame of 12 bytes; one program sends them back, and the other sends nothing."""
     case = tmp_path / "line.toml"
     case.write_text(LINE, encoding="utf-8")
-    came = sweep(case, {"unit.dsp.firmware": ["sci_echo", "uart_logger"]}, jobs=1)
-    assert (came.sci_bytes.tolist(), came.sci_bytes_sent.tolist()) == ([12, 12], [12, 0])
-    table = came.columns()
+    outcome = sweep(case, {"unit.dsp.firmware": ["sci_echo", "uart_logger"]}, jobs=1)
+    assert (outcome.sci_bytes.tolist(), outcome.sci_bytes_sent.tolist()) == ([12, 12], [12, 0])
+    table = outcome.columns()
     assert [table[name].tolist() for name in BYTES] == [[0, 0], [12, 12], [12, 0]]
 
 
@@ -180,10 +180,10 @@ def test_rows_and_their_order_are_the_same_with_any_executor(case: Path, which: 
     alone = sweep(case, changes, jobs=1)
     with ExitStack() as stack:
         made = EXECUTORS[which]()
-        executor = made if isinstance(made, Backwards) else stack.enter_context(made)  # type: ignore[arg-type]
-        came = sweep(case, changes, executor=executor)
-        again = sweep(case, changes, executor=executor)  # it is still open
-    assert figures(came) == figures(alone) == figures(again)
+        executor = made if isinstance(made, ReverseExecutor) else stack.enter_context(made)  # type: ignore[arg-type]
+        outcome = sweep(case, changes, executor=executor)
+        again = sweep(case, changes, executor=executor)  # the executor is still open
+    assert figures(outcome) == figures(alone) == figures(again)
     assert alone.worst["work"].tolist() == WORST * 3
 
 
@@ -192,11 +192,11 @@ def test_rows_and_their_order_are_the_same_with_any_number_of_processes(case: Pa
     assert figures(sweep(case, {WORK: LENGTHS}, jobs=jobs)) == figures(sweep(case, {WORK: LENGTHS}, jobs=1))
 
 
-def test_many_runs_go_to_workers_some_at_a_time_and_stay_in_order(case: Path) -> None:
+def test_many_runs_are_submitted_in_groups_and_stay_in_order(case: Path) -> None:
     lengths = [f"{length} us" for length in range(70, 0, -1)]
-    backwards = Backwards()
-    came = sweep(case, {WORK: lengths}, seconds="80 us", executor=backwards)
-    assert came.worst["work"].tolist() == [float(length) for length in range(70, 0, -1)]
+    backwards = ReverseExecutor()
+    outcome = sweep(case, {WORK: lengths}, seconds="80 us", executor=backwards)
+    assert outcome.worst["work"].tolist() == [float(length) for length in range(70, 0, -1)]
 
 
 @pytest.mark.parametrize(
@@ -211,32 +211,34 @@ def test_many_runs_go_to_workers_some_at_a_time_and_stay_in_order(case: Path) ->
         ({"unit.dsp.modules": [["SCI-A", "TIMER0"]]}, {"unit.dsp.modules": ["['SCI-A', 'TIMER0']"]}),
     ],
 )
-def test_what_changes_may_be(case: Path, changes, columns: dict[str, list[object]]) -> None:
-    came = sweep(case, changes, jobs=1)
-    assert {key: column.tolist() for key, column in came.changes.items()} == columns
-    assert all(error.startswith("stuck: dsp waits") for error in came.error)
+def test_changes_are_given_as_a_table_or_a_list(case: Path, changes, columns: dict[str, list[object]]) -> None:
+    outcome = sweep(case, changes, jobs=1)
+    assert {key: column.tolist() for key, column in outcome.changes.items()} == columns
+    assert all(error.startswith("stuck: dsp waits") for error in outcome.error)
 
 
-def test_a_run_that_cannot_be_made_says_why_and_loses_no_other(case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_with_an_error_states_the_reason_and_affects_no_other(
+    case: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(case.parent)
-    came = sweep(
+    outcome = sweep(
         "small.toml", [f"{WORK}=20 us", f"{WORK}=3 parsec", "unit.dsp.firmware=none.py", f"{WORK}=25 us"], jobs=1
     )
-    assert came.verdict.tolist() == ["fail", "error", "error", "fail"]
-    assert came.error.tolist() == [
+    assert outcome.verdict.tolist() == ["fail", "error", "error", "fail"]
+    assert outcome.error.tolist() == [
         STUCK.format("20.000 us"),
         f"small.toml, --set '{WORK}=3 parsec': {WORK}: '3 parsec': unit 'parsec' is none of ns, us, ms, s, min, h, d",
         "small.toml, --set 'unit.dsp.firmware=none.py': unit.dsp.firmware: there is no firmware file 'none.py'; "
         "its path counts from the folder of the case",
         STUCK.format("25.000 us"),
     ]
-    work = came.budgets["work"]
-    assert figures(came)["work: worst"] == [20.0, None, None, 25.0]
+    work = outcome.budgets["work"]
+    assert figures(outcome)["work: worst"] == [20.0, None, None, 25.0]
     assert (work.count.tolist(), work.verdict.tolist()) == ([1, -1, -1, 1], ["pass", "", "", "pass"])
-    assert came.counts["resets"].tolist() == [0, -1, -1, 0]
+    assert outcome.counts["resets"].tolist() == [0, -1, -1, 0]
 
 
-def test_a_worker_that_dies_loses_only_its_run(case: Path) -> None:
+def test_a_worker_that_dies_affects_only_its_run(case: Path) -> None:
     case.write_text(CASE.replace("mine.py", "given").replace('[unit.dsp.settings]\nwork = "10 us"\n', ""))
     dies = {"dsp": programs.dying, "other": programs.pausing}
     case.write_text(case.read_text() + '\n[unit.other]\nfirmware = "given"\nmodules = []\n')
@@ -248,15 +250,15 @@ def test_a_worker_that_dies_loses_only_its_run(case: Path) -> None:
         "    with dsp.span('work'):\n        dsp.compute(300)\n"
     )
     case.write_text(CASE)
-    came = sweep(case, {WORK: ["a", "die", "b", "c"]}, jobs=2)
-    assert figures(came)["work: worst"] == [2.0, None, 2.0, 2.0]
-    assert ["died before it finished" in error for error in came.error] == [False, True, False, False]
+    outcome = sweep(case, {WORK: ["a", "die", "b", "c"]}, jobs=2)
+    assert figures(outcome)["work: worst"] == [2.0, None, 2.0, 2.0]
+    assert ["died before it finished" in error for error in outcome.error] == [False, True, False, False]
 
 
-def test_firmware_of_a_module_goes_to_other_processes(case: Path) -> None:
+def test_firmware_defined_in_a_module_runs_in_other_processes(case: Path) -> None:
     case.write_text(CASE.replace("mine.py", "given").replace('[unit.dsp.settings]\nwork = "10 us"\n', ""))
-    came = sweep(case, {"seed": [1, 2]}, programs={"dsp": programs.pausing}, jobs=2)
-    assert (came.worst["work"].tolist(), came.budgets["work"].count.tolist()) == ([10.0, 10.0], [10, 10])
+    outcome = sweep(case, {"seed": [1, 2]}, programs={"dsp": programs.pausing}, jobs=2)
+    assert (outcome.worst["work"].tolist(), outcome.budgets["work"].count.tolist()) == ([10.0, 10.0], [10, 10])
 
 
 def test_firmware_that_waits_for_ever_ends_in_the_thread_that_ran_it(case: Path) -> None:
@@ -272,7 +274,7 @@ def test_firmware_that_waits_for_ever_ends_in_the_thread_that_ran_it(case: Path)
     case.write_text(CASE.replace("mine.py", "given").replace('[unit.dsp.settings]\nwork = "10 us"\n', ""))
     with ThreadPoolExecutor(2) as threads:
         sweep(case, {"seed": range(6)}, programs={"dsp": waiting}, executor=threads)
-        assert ended == [True] * 6  # before the threads end, or anybody looks for garbage
+        assert ended == [True] * 6  # before the threads end and before garbage is collected
 
 
 @pytest.mark.parametrize(
@@ -303,7 +305,7 @@ def test_firmware_that_waits_for_ever_ends_in_the_thread_that_ran_it(case: Path)
         (lambda case: sweep(case, {"duration": [Fraction(1, 3)]}), "has no unit; write a text, for instance '10 ms'"),
         (lambda case: sweep(case, ["seed=1"], seconds="3"), "seconds='3': '3' has no unit"),
         (lambda case: sweep(case, ["seed=1"], jobs=0), "jobs=0: expected 1 or more"),
-        (lambda case: sweep(case, ["seed=1"], jobs=1, executor=Backwards()), "jobs=1 with an executor"),
+        (lambda case: sweep(case, ["seed=1"], jobs=1, executor=ReverseExecutor()), "jobs=1 with an executor"),
         (lambda case: sweep(case, ["seed=1"], programs={"dps": programs.pausing}), "has no unit 'dps'; it has dsp"),
         (lambda case: sweep(case.with_name("none.toml"), ["seed=1"]), "none.toml: cannot be read"),
         (
@@ -312,14 +314,14 @@ def test_firmware_that_waits_for_ever_ends_in_the_thread_that_ran_it(case: Path)
         ),
     ],
 )
-def test_a_mistake_is_a_sentence(case: Path, call: Callable[[Path], object], sentence: str) -> None:
+def test_a_wrong_argument_is_one_error_message(case: Path, call: Callable[[Path], object], sentence: str) -> None:
     with pytest.raises(BadCase) as error:
         call(case)
     assert sentence in str(error.value) and "\n" not in str(error.value)
 
 
-def test_a_script_without_its_guard_is_told_so_at_once(case: Path) -> None:
-    """Each process imports the script, which would begin all over again."""
+def test_a_script_without_a_main_guard_is_an_error_at_once(case: Path) -> None:
+    """Each worker process imports the script, which would start the sweep again."""
     script = case.with_name("script.py")
     script.write_text(
         "import periph_sim\n"
@@ -328,8 +330,10 @@ def test_a_script_without_its_guard_is_told_so_at_once(case: Path) -> None:
         "except periph_sim.BadCase as error:\n"
         "    print(error)\n"
     )
-    came = subprocess.run([sys.executable, script.name], cwd=case.parent, capture_output=True, text=True, check=False)
-    assert came.stdout.endswith("; or give jobs=1\n") and came.stdout.startswith(
+    outcome = subprocess.run(
+        [sys.executable, script.name], cwd=case.parent, capture_output=True, text=True, check=False
+    )
+    assert outcome.stdout.endswith("; or give jobs=1\n") and outcome.stdout.startswith(
         "no process can be started for the runs"
     )
-    assert came.returncode == 0
+    assert outcome.returncode == 0

@@ -1,4 +1,4 @@
-"""A run observed and compared: verdicts, occurrences of times, and what was read."""
+"""Observation and comparison of runs: verdicts, occurrences of times, and values read."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_reads_of_other_devices_are_bytes():
     assert found.samples == {} and [len(data) for data in found.others.values()] == [6 * 16]
 
 
-def test_units_of_another_kind_have_the_budgets_that_they_can_have():
+def test_units_of_another_kind_have_only_the_budgets_they_can_be_judged_by():
     published, image = (load(TIMING / f"imu_hil_{name}.toml") for name in ("published", "image"))
     found = compare(observe(published, ROUND), observe(published.model_copy(update={"unit": image.unit}), ROUND))
     assert "model execution" in found.differ and "wrong bytes" not in found.differ
@@ -56,7 +56,7 @@ def test_a_recording_is_written_and_changes_nothing(monkeypatch: pytest.MonkeyPa
     assert compare(alone, recorded) == Errors(len(alone.verdicts), (), Error(0, "s"), Error(0, "bytes"))
 
 
-def test_budgets_agree_where_their_verdicts_are_the_same():
+def test_budgets_agree_if_their_verdicts_are_equal():
     reference = observed({"a": "pass", "b": "fail", "c": "pass", "d": "not judged"})
     found = compare(reference, observed({"a": "pass", "b": "pass", "d": "pass"}))
     assert (found.judged, found.differ, found.cells[0]) == (3, ("b", "c"), "1 of 3")
@@ -70,8 +70,8 @@ def test_the_error_of_times_is_the_largest_of_an_occurrence():
     assert more.time == Error(inf, "s", "a") and more.time.text == "other count"
 
 
-def test_the_error_of_values_is_their_difference_and_no_difference_of_errors():
-    """Codes of 32,767 and -22,863 are 55,630 apart, however far each is from the truth."""
+def test_the_error_of_values_is_their_difference():
+    """The codes 32,767 and -22,863 differ by 55,630, whatever their errors are."""
     reference = observed(samples={"gyroscope": [[0, 0, 32767]]}, others={"0x50": [1, 2, 3]})
     found = compare(reference, observed(samples={"gyroscope": [[3, 0, -22863]]}, others={"0x50": [1, 2, 4]}))
     assert found.value == Error(55630, "LSB", "gyroscope")
@@ -93,5 +93,5 @@ def test_the_error_of_values_is_their_difference_and_no_difference_of_errors():
         (55630.0, "LSB", "55630 LSB"),
     ],
 )
-def test_errors_as_text(amount: float, unit: str, text: str):
+def test_errors_are_formatted_with_their_unit(amount: float, unit: str, text: str):
     assert Error(amount, unit).text == text

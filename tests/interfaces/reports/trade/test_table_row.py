@@ -1,4 +1,4 @@
-"""The closed table as a row of a trade: which cases have it, its error against a run, and what it leaves out."""
+"""The closed table as a row of a trade: which cases have it, its error against a run, and the budgets left out."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ coverage = "40 %"
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few seeds are drawn."""
+    """Draw few seeds only."""
     monkeypatch.setattr(table_row, "SEEDS", 20)
 
 
@@ -44,7 +44,7 @@ def test_the_table_agrees_with_a_run_and_names_what_it_leaves_out(tmp_path: Path
     case = write_slave(tmp_path, REACTION)
     table = made(case, "controller.rounds=7")
     assert (table.budgets, table.moved, table.rounds) == (("reaction",), "rounds", 7)
-    assert table.error == Error(0.0, "s", "reaction")  # which was compared
+    assert table.error == Error(0.0, "s", "reaction")  # this budget was compared
     assert table.left_out == {"wrong bytes": "it has one number for the whole run"}
     found = trade(
         lambda changes: load(case, changes), [*rows_of(lambda changes: load(case, changes), [])[:1]], Fraction(1, 50)
@@ -85,7 +85,7 @@ def test_a_table_without_a_value_is_refused(tmp_path: Path):
         ("variants/image_blink", "no start is free"),
     ],
 )
-def test_which_cases_have_the_row(case: str, reason: str):
+def test_the_row_exists_for_cases_with_a_table(case: str, reason: str):
     (row,) = (row for row in rows_of(lambda _: load(TIMING / f"{case}.toml"), []) if row.name == "table")
     assert reason in row.missing
     assert (row == HAS_TABLE) == (not reason)

@@ -1,4 +1,4 @@
-"""A trade of rows: their CPU times, which of them are refused, and which one is recommended."""
+"""A trade of rows: their CPU times, rejected rows, and the recommended one."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ from tests.scene.runs import TIMING
 
 ROUND = Fraction(3, 100)
 Times = Callable[[float], list[float]]
-LATE = Row("late", ("seed=7",))  # of which `observing` says the times
+LATE = Row("late", ("seed=7",))  # `observing` sets its times
 WRONG = Row("wrong", ("controller.perod=5 ms",))
 
 
 @pytest.fixture(autouse=True)
 def timed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """CPU times of rows fall by a tenth of a second from one to the next."""
+    """Let CPU times of rows decrease by 0.1 s from one row to the next."""
 
     def costs_of(rows: dict[str, object], start: Fraction, length: Fraction) -> dict[str, Cost]:
         return {name: Cost(1 - 0.1 * number, 0.01, 5) for number, name in enumerate(rows)}
@@ -56,7 +56,7 @@ def traded(case: str, *names: str, length: Fraction = ROUND, max_error_s: float 
 
 
 def observing(monkeypatch: pytest.MonkeyPatch, late: Times, recorded: float = 1.0) -> list[tuple[str, float, str]]:
-    """Replace runs by values of one budget: 1 s, but for the row LATE and recorded runs. Return the list of runs."""
+    """Replace runs by values of one budget: 1 s except for the row LATE and recorded runs. Return the list of runs."""
     runs = []
 
     def observe(case: Case, length: Fraction, record: str = "") -> Observed:
@@ -69,32 +69,34 @@ def observing(monkeypatch: pytest.MonkeyPatch, late: Times, recorded: float = 1.
     return runs
 
 
-def test_rows_that_are_the_same_in_half_of_the_run_are_not_run_longer(monkeypatch: pytest.MonkeyPatch):
+def test_rows_with_equal_errors_in_both_halves_are_not_run_longer(monkeypatch: pytest.MonkeyPatch):
     runs = observing(monkeypatch, lambda length: [1.5])
     found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
     assert runs == [(level, length, "") for length in (1.0, 2.0) for level in (AS_GIVEN, "late")]
     assert (found.ran_s, found.changed) == (2.0, ()) and found.outcomes[1].errors.time == Error(0.5, "s", "a")
-    said = "responder: 2 s, n-th occurrence and value against n-th of as given; 1 s gives the same errors CPU time: 5"
-    assert " ".join("\n".join(text(found)).split()).startswith(said)
+    message = (
+        "responder: 2 s, n-th occurrence and value against n-th of as given; 1 s gives the same errors CPU time: 5"
+    )
+    assert " ".join("\n".join(text(found)).split()).startswith(message)
 
 
 @pytest.mark.parametrize(
-    ("late", "changed", "said"),
+    ("late", "changed", "message"),
     [
         (lambda length: [1.5 if length < 2 else 1.7], (), "; 2 s gives the same errors CPU time: 5 runs"),
         (lambda length: [1 + length], ("late",), "; late changed since 2 s CPU time: 5 runs"),
     ],
 )
-def test_rows_of_which_one_changes_in_the_second_half_are_run_twice_as_long(
-    monkeypatch: pytest.MonkeyPatch, late: Times, changed: tuple[str, ...], said: str
+def test_rows_are_run_twice_as_long_if_one_changes_in_the_second_half(
+    monkeypatch: pytest.MonkeyPatch, late: Times, changed: tuple[str, ...], message: str
 ):
     observing(monkeypatch, late)
     found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
-    assert (found.ran_s, found.changed) == (4.0, changed) and said in " ".join("\n".join(text(found)).split())
+    assert (found.ran_s, found.changed) == (4.0, changed) and message in " ".join("\n".join(text(found)).split())
     assert found.outcomes[1].errors.time.amount == pytest.approx(late(4.0)[0] - 1)
 
 
-def test_a_recording_that_changes_nothing_has_the_errors_of_the_unrecorded_row(monkeypatch: pytest.MonkeyPatch):
+def test_a_recording_without_effect_has_the_errors_of_the_unrecorded_row(monkeypatch: pytest.MonkeyPatch):
     runs = observing(monkeypatch, lambda length: [1.5])
     found = traded("responder", AS_GIVEN, "record .psr", length=Fraction(2))
     assert runs[-2:] == [(AS_GIVEN, 1.1, ""), (AS_GIVEN, 1.1, ".psr")]
@@ -103,21 +105,21 @@ def test_a_recording_that_changes_nothing_has_the_errors_of_the_unrecorded_row(m
     assert traded("responder", AS_GIVEN, "record .psr").outcomes[1].errors.time.amount == 0.25
 
 
-def test_a_row_that_a_case_refuses_is_reported_with_the_reason():
+def test_a_row_that_the_case_rejects_is_reported_with_the_reason():
     found = traded("imu_hil_spikes", AS_GIVEN, "late", "wrong")
     assert [outcome.row.name for outcome in found.outcomes] == [AS_GIVEN, "late"]
     assert [*found.refused] == ["wrong"] and "did you mean period" in found.refused["wrong"]
     assert "\nwrong is refused: " in "\n".join(text(found))
 
 
-def test_a_run_in_which_nothing_occurs_is_refused():
+def test_a_run_without_events_is_rejected():
     with pytest.raises(
         BadCase, match="nothing to compare: no budget is judged and nothing is read on I2C in the first 0"
     ):
         traded("responder", AS_GIVEN, "late", length=Fraction(0))
 
 
-def test_values_of_another_arithmetic_differ_and_its_times_do_not():
+def test_another_arithmetic_changes_values_and_no_times():
     found = traded("imu_hil", "arithmetic=float64", AS_GIVEN, length=Fraction(1, 10))
     errors = found.outcomes[1].errors
     assert 0 < errors.value.amount <= 4 and errors.value.unit == "LSB" and errors.time == Error(0, "s")
@@ -140,7 +142,7 @@ def outcome(name: str, cpu_s: float, time_s: float = 0, differ: Sequence[str] = 
         ([outcome("off", 1.0, 2e-6), outcome("quick", 2.0, 1e-6)], 1e-6, "quick"),
     ],
 )
-def test_the_cheapest_row_that_judges_alike_is_recommended(others: list[Outcome], max_error_s: float, best: str):
+def test_the_cheapest_row_with_equal_verdicts_is_recommended(others: list[Outcome], max_error_s: float, best: str):
     found, why = trade._best([outcome("exact", 3.0), *others], max_error_s)
     assert found.row.name == best
     assert why.startswith(
@@ -148,15 +150,15 @@ def test_the_cheapest_row_that_judges_alike_is_recommended(others: list[Outcome]
     )
 
 
-def test_budgets_that_judge_otherwise_and_the_place_of_errors_are_named():
+def test_budgets_with_other_verdicts_and_the_place_of_errors_are_named():
     rows = (outcome("exact", 3.0), outcome("late", 1.0, 2e-6, differ=["margin", "age"]), outcome("as late", 1.05))
-    said = [*text(Trade("mine", 2.0, (), 0.1, 1.0, rows, {}, rows[0], "why"))]
-    assert [line.split() for line in said[6:9]] == [
+    message = [*text(Trade("mine", 2.0, (), 0.1, 1.0, rows, {}, rows[0], "why"))]
+    assert [line.split() for line in message[6:9]] == [
         [*["exact", "5", "of", "5", "reference", "reference", "3", "3.3%"]],
         [*["late", "3", "of", "5", "2", "us", "none", "1", "10.0%"]],
         [*["as", "late", "5", "of", "5", "none", "none", "1.05", "9.5%"]],
     ]
-    assert said[9:] == [
+    assert message[9:] == [
         "late judges differently: margin, age",
         "largest errors of times: late in a",
         "same cost within their spread: late and as late",
@@ -166,9 +168,9 @@ def test_budgets_that_judge_otherwise_and_the_place_of_errors_are_named():
 
 def test_json_has_every_row_and_infinite_errors_as_text(monkeypatch: pytest.MonkeyPatch):
     observing(monkeypatch, lambda length: [])
-    told = as_json(traded("responder", AS_GIVEN, "late"))
-    assert told["recommended"] == "late" and told["refused"] == {} and told["ran_s"] == 0.03
-    given, late = told["rows"]  # type: ignore[misc]
+    shown = as_json(traded("responder", AS_GIVEN, "late"))
+    assert shown["recommended"] == "late" and shown["refused"] == {} and shown["ran_s"] == 0.03
+    given, late = shown["rows"]  # type: ignore[misc]
     assert (
         given["changes"] == []
         and late["changes"] == ["seed=7"]
@@ -184,7 +186,7 @@ ROWS = {"slow": (CASE, ""), "quick": (CASE, ".psr")}
 def costs(
     monkeypatch: pytest.MonkeyPatch, slow: float, quick: float, jitter: float, each_s: float = 0.0
 ) -> dict[str, Cost]:
-    """Costs of two rows whose runs take so long, more or less, while a run lets this much CPU time pass."""
+    """Return the costs of two rows with these CPU times plus or minus `jitter`. A clock call takes `each_s`."""
     number = count()
 
     def cpu_s(case: object, record: str, start: Fraction, length: Fraction) -> float:
@@ -196,7 +198,7 @@ def costs(
     return costs_of(ROWS, Fraction(1, 100), Fraction(2, 100))
 
 
-def test_rows_that_are_apart_are_not_repeated(monkeypatch: pytest.MonkeyPatch):
+def test_rows_that_differ_by_more_than_their_spread_are_not_repeated(monkeypatch: pytest.MonkeyPatch):
     found = costs(monkeypatch, slow=2.0, quick=1.0, jitter=0.1)
     assert {name: cost.runs for name, cost in found.items()} == {"slow": FEWEST, "quick": FEWEST}
     assert found["slow"].cpu_s == pytest.approx(2.1) and found["slow"].spread_s == pytest.approx(0.2 / FEWEST**0.5)
@@ -204,7 +206,7 @@ def test_rows_that_are_apart_are_not_repeated(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize(("slow", "each_s", "runs"), [(1.01, 0.0, MOST), (1.0, PATIENCE * 0.6, FEWEST + 1)])
-def test_rows_that_differ_by_less_than_their_spread_are_repeated_until_it_has_taken_long(
+def test_rows_that_differ_by_less_than_their_spread_are_repeated_for_a_limited_time(
     monkeypatch: pytest.MonkeyPatch, slow: float, each_s: float, runs: int
 ):
     found = costs(monkeypatch, slow=slow, quick=1.0, jitter=0.1, each_s=each_s)
@@ -212,7 +214,7 @@ def test_rows_that_differ_by_less_than_their_spread_are_repeated_until_it_has_ta
 
 
 class Scene:
-    """Notes what is done to it."""
+    """A replacement of Scene that records its calls."""
 
     start = 7
 
@@ -230,7 +232,7 @@ class Scene:
         self._done.append(f"run {length}")
 
 
-def test_set_up_and_start_are_not_counted_and_writing_a_recording_is(monkeypatch: pytest.MonkeyPatch):
+def test_cpu_time_includes_the_run_and_the_recording_but_not_the_start(monkeypatch: pytest.MonkeyPatch):
     done: list[str] = []
 
     @contextmanager

@@ -1,4 +1,4 @@
-"""Tests with the hard build of the core, which stops at the first fault.
+"""Run tests with the hard build of the core, which stops at the first fault.
 
     python -m tests.hard [--short] [--cases COUNT] [--seed SEED] [PYTEST OPTIONS]
     python -m tests.hard --memcheck
@@ -7,14 +7,14 @@
                                       +--> random cases (tests/form/random_cases.py): equal records interpreted
                                       +--> shipped cases with a collection of garbage at each new object: the same
 
-All of it runs in processes with the sanitizers loaded and a small stack. --short builds the kernel and the wires only,
+Everything runs in processes with the sanitizers loaded and a small stack. --short builds only the kernel and the wires,
 and runs their tests and the shipped cases; random cases need all modules in one build. With paths of tests, only these
-tests run. The seed is drawn unless it is given.
+tests run. The seed is random unless it is given.
 
-Address sanitizer watches the heap. Python's objects are allocated one by one (PYTHONMALLOC), so that it sees each. It
-does not look for leaks, since Python keeps objects until it ends, and it cannot watch stacks, since greenlets copy
-theirs. --memcheck covers stacks: a case runs with the usual build under valgrind, which reports each use of a value
-that was never written, on a stack or on the heap, and each access outside of what is allocated on the heap.
+Address sanitizer checks the heap. Python's objects are allocated individually (PYTHONMALLOC), so that each is checked.
+Leaks are not reported, because Python keeps objects until it ends, and stacks cannot be checked, because greenlets copy
+them. --memcheck covers stacks: a case runs with the usual build under valgrind, which reports each use of an
+uninitialised value, on a stack or on the heap, and each access outside of allocated heap memory.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from periph_sim import form
 from periph_sim.form import build
 
 ROOT = Path(__file__).parents[1]
-STACK = 2 << 20  # bytes; a usual one has 8 MB
+STACK = 2 << 20  # bytes; the usual size is 8 MB
 COLLECTED = ("imu_hil", "imu_hil_image", "imu_chips", "eeprom_log", "two_dsps", "uart_logger")
 RECORD = ("-m", "tests.bench.record_hashes", "--collect", "--seconds")
-# What memcheck reports without a fault: CPython 3.11 multiplies a digit that is not initialised by zero where it makes
-# the integer 0, so that the address of this integer counts as uninitialised; and the loader compares texts by words.
+# Reports of memcheck that are not faults: CPython 3.11 multiplies an uninitialised digit by zero when it makes the
+# integer 0, so the address of this integer counts as uninitialised; and the loader compares texts word by word.
 NOT_OURS = re.compile(r"was created by a heap allocation\n.*\n.*: _PyLong_New |: is_dst \(")
 SHORT_MODULES = ("core",)
 SHORT_TESTS = ("tests/core", "tests/form/test_none.py", "tests/form/test_linked.py")
@@ -55,9 +55,9 @@ LONG_TESTS = (
 
 
 def environment() -> dict[str, str]:
-    """Variables of a process that can load a library with the sanitizers in it. NoBuild without a sanitizer.
+    """Return the environment of a process that loads a library with sanitizers. Raise NoBuild without a sanitizer.
 
-    The C++ library is loaded at once, too: else address sanitizer does not find it when greenlet throws an exception.
+    The C++ library is preloaded, too, or address sanitizer would not find it when greenlet throws an exception.
     """
     sanitizer, cpp = (_library(name) for name in ("libasan.so", "libstdc++.so.6"))
     if not Path(sanitizer).is_file():
@@ -73,7 +73,7 @@ def environment() -> dict[str, str]:
 
 
 def _library(name: str) -> str:
-    """The path of a library of the C compiler, or its bare name if there is none."""
+    """Return the path of a library of the C compiler, or its bare name if it does not exist."""
     command = [*build.compiler().split(), f"-print-file-name={name}"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
@@ -83,7 +83,7 @@ def small_stack() -> None:
 
 
 def run_hard(command: Sequence[str], variables: Mapping[str, str] = {}) -> subprocess.CompletedProcess[str]:
-    """A command of this Python in such a process, with what it wrote."""
+    """Run a command of this Python in such a process, and return its output."""
     return subprocess.run(
         [sys.executable, *command],
         cwd=ROOT,
@@ -98,7 +98,7 @@ def run_hard(command: Sequence[str], variables: Mapping[str, str] = {}) -> subpr
 def compare(command: Sequence[str]) -> tuple[bool, str]:
     """Return True if a command writes the same lines with the hard build as interpreted, and a report.
 
-    Both processes run at once. The report has the first difference.
+    Both processes run at the same time. The report has the first difference.
     """
     with ThreadPoolExecutor(1) as other:
         interpreted = other.submit(run_interpreted, command)
@@ -124,7 +124,7 @@ def run_interpreted(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
 
 
 def memcheck() -> int:
-    """Run a case of the usual build for a few milliseconds under valgrind; print what it found, and return 1, or 0."""
+    """Run a few milliseconds of a case with the usual build under valgrind. Print errors; return 1 if there are any."""
     options = ["--quiet", "--track-origins=yes", "--num-callers=40"]
     done = subprocess.run(
         ["valgrind", *options, sys.executable, *RECORD, "0.006", COLLECTED[0]],
@@ -136,7 +136,7 @@ def memcheck() -> int:
     )
     errors = [one for one in re.sub(r"(?m)^==\d+== ?", "", done.stderr).split("\n\n") if one.strip()]
     found = [one for one in errors if not NOT_OURS.search(one)]
-    print(*found, done.stdout, f"{len(errors) - len(found)} known ones of CPython and the loader", sep="\n")
+    print(*found, done.stdout, f"{len(errors) - len(found)} known reports of CPython and the loader", sep="\n")
     return int(done.returncode != 0 or bool(found))
 
 
@@ -158,7 +158,7 @@ def main(options: list[str]) -> int:
     checks = [] if chosen else [(*RECORD, "0.008", *COLLECTED)]
     if checks and not given.short:
         checks.append(("-m", "tests.form.random_cases", "--seed", str(given.seed), "--count", str(given.cases)))
-    with ThreadPoolExecutor(1) as beside:  # the tests leave all cores but one idle
+    with ThreadPoolExecutor(1) as beside:  # the tests use only one core
         compared = [beside.submit(compare, one) for one in checks]
         status = subprocess.run(
             [*command, *others, *paths], cwd=ROOT, env=environment(), preexec_fn=small_stack, check=False

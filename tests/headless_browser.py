@@ -1,4 +1,4 @@
-"""A headless Chromium, started once: Playwright allows one of itself in a process, so all tests that look share it."""
+"""A headless Chromium, started once: Playwright allows one instance per process, so all tests share it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def browser() -> Iterator[Browser]:
 
     path = next(filter(None, map(shutil.which, NAMES)), None)
     with sync_playwright() as driver:
-        try:  # without a path: the browser that `playwright install chromium` left
+        try:  # without a path, the browser of `playwright install chromium`
             started = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
         except Error as error:
             pytest.skip(f"no browser can be started: {error.message.partition(chr(10))[0]}")

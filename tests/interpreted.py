@@ -1,10 +1,10 @@
-"""The tests of what is compiled, once more, interpreted: `python -m tests.interpreted [PYTEST OPTIONS]`.
+"""Run the tests of the compiled modules again, interpreted: `python -m tests.interpreted [PYTEST OPTIONS]`.
 
-    compiled modules --> the folders of tests that mirror theirs --> pytest, in a process whose core is interpreted
+    compiled modules --> the corresponding folders of tests --> pytest, in a process with the interpreted core
 
-Within these folders, one that mirrors a room in which nothing is compiled is left out. After `make test` and
-`make interpreted` what is compiled has been tested in both forms. Where no core is compiled there is nothing to do,
-since the whole suite ran interpreted. Tests of the builds choose the form by themselves, and are not run again.
+Within these folders, those of packages without compiled modules are left out. After `make test` and `make interpreted`
+the compiled modules have been tested in both forms. Without a compiled core there is nothing to do, because the whole
+suite ran interpreted. Tests of the builds choose the form themselves, and are not run again.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ TESTS = Path(__file__).parent
 
 
 def folders(modules: Iterable[str]) -> list[str]:
-    """Each once, none within another: ["bus.i2c.monitor", "core.fifo"] --> ["tests/bus/i2c", "tests/core"]."""
+    """Return folders, none within another: ["bus.i2c.monitor", "core.fifo"] --> ["tests/bus/i2c", "tests/core"]."""
     rooms = {room for module in modules for room in [_with_tests(module.split(".")[:-1])] if room.parts}
     return sorted(f"tests/{room.as_posix()}" for room in rooms if not rooms.intersection(room.parents))
 
 
 def left_out(modules: Iterable[str]) -> list[str]:
-    """Folders within those that mirror a room in which nothing is compiled, none within another."""
+    """Return the folders within these of packages without compiled modules, none within another."""
     compiled = [module.replace(".", "/") for module in modules]
     inner = [path.relative_to(TESTS) for one in folders(modules) for path in (TESTS.parent / one).rglob("*/")]
     rooms = {
@@ -40,7 +40,7 @@ def left_out(modules: Iterable[str]) -> list[str]:
 
 
 def _with_tests(names: list[str]) -> Path:
-    """The room, or the nearest one around it that has tests of its own."""
+    """Return the folder of a package, or the nearest one above it, that has tests."""
     room = Path(*names)
     while not (TESTS / room).is_dir():
         room = room.parent
@@ -50,7 +50,7 @@ def _with_tests(names: list[str]) -> Path:
 def main(options: list[str]) -> int:
     modules, _ = form.usable(form.PACKAGE, form.BUILT)
     if not modules:
-        print("no core is compiled of these sources: nothing differs")
+        print("no core is compiled of these sources, so there is nothing to run again")
         return 0
     ignored = [f"--ignore={folder}" for folder in left_out(modules)]
     command = [sys.executable, "-m", "pytest", *options, *ignored, *folders(modules)]

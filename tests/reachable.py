@@ -1,4 +1,4 @@
-"""How much an object holds on to: it goes in, a count comes out of all objects and bytes that are reached from it."""
+"""Number of objects and bytes that an object keeps alive."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from types import ModuleType
 
 
 def held(root: object, but: tuple[type, ...] = ()) -> int:
-    """Objects, and elements of those that keep values without one. but: types of what is not looked into.
+    """Count the objects reachable from `root`, and the elements of compact ones. Types in `but` are not searched.
 
-    What belongs to the program and not to a run is left out: classes, modules and their globals.
+    Parts of the program, not of a run, are not counted: classes, modules and their globals.
     """
     seen: dict[int, object] = {}
     todo = [root]
@@ -19,7 +19,7 @@ def held(root: object, but: tuple[type, ...] = ()) -> int:
         one = todo.pop()
         if id(one) in seen or isinstance(one, (ModuleType, type)):
             continue
-        seen[id(one)] = one  # held, so that no other object gets its id
+        seen[id(one)] = one  # kept alive, so that no other object gets its id
         if isinstance(one, but) or (type(one) is dict and "__builtins__" in one):
             continue
         count += 1

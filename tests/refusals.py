@@ -1,4 +1,4 @@
-"""Errors as plain texts."""
+"""Messages of errors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ P = ParamSpec("P")
 
 
 def refusal(kind: type[Exception], call: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> str:
-    """The message of the error of this kind that the call raises."""
+    """Return the message of the error of this kind that the call raises."""
     with pytest.raises(kind) as caught:
         call(*args, **kwargs)
     return str(caught.value)

@@ -1,4 +1,4 @@
-"""No library that tests import lets a closed pipe end the process: workers of a pool die, and servers go away."""
+"""No imported library makes a closed pipe end the process, which would end workers of a pool and servers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 import pytest
 
 
-def test_to_write_into_a_closed_pipe_is_an_error_that_can_be_caught() -> None:
+def test_writing_to_a_closed_pipe_raises_an_exception() -> None:
     reader, writer = os.pipe()
     os.close(reader)
     try:
@@ -19,7 +19,7 @@ def test_to_write_into_a_closed_pipe_is_an_error_that_can_be_caught() -> None:
         os.close(writer)
 
 
-def test_the_reader_of_vcd_files_leaves_the_signals_of_the_process_alone() -> None:
+def test_the_reader_of_vcd_files_does_not_change_signal_handlers() -> None:
     script = "import os; import tests.records.vcdvcd_reader; r, w = os.pipe(); os.close(r); os.write(w, b'x')"
-    came = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert (came.returncode, came.stderr.splitlines()[-1]) == (1, "BrokenPipeError: [Errno 32] Broken pipe")
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (result.returncode, result.stderr.splitlines()[-1]) == (1, "BrokenPipeError: [Errno 32] Broken pipe")

@@ -1,7 +1,7 @@
-"""What a scene costs, in events: counts are the same on every machine, so they guard speed where seconds cannot.
+"""Cost of scenes in events. Counts are equal on every machine, so they detect a loss of speed, unlike times.
 
-An I2C bit is two events of the controller (SCL let go, SCL falls) and two of each module that hears it through its
-noise filter. An SCI bit is none: only its edges are.
+An I2C bit takes two events of the controller (SCL released, SCL falls) and two of each module that receives it through
+its noise filter. An SCI bit takes none, because only its edges are events.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from tests.scene.runs import TIMING, run_case, run_file
 from tests.scene.small import case
 
 BIT_8N1 = 4 * 8 * (40 + 1)  # SYSCLKOUT cycles: LSPCLK is a quarter, BRR 40
-TICKS = 20  # per cycle of 150 MHz
+TICKS = 20  # ticks per cycle of 150 MHz
 
 
 def i2c_events(
     request: dict[str, object], byte: str, modules: tuple[str, ...] = ("I2C-A",), disable: object = "bits"
 ) -> int:
-    """Events of one transfer with a responder that polls and answers with `byte` again and again."""
+    """Return the events of one transfer with a responder that polls and always answers with `byte`."""
     unit = {"firmware": "responder", "modules": modules, "settings": {"replies": [" ".join([byte] * 20)]}}
     head = {"first": "1 ms", "rounds": 1, "request": [{"address": 0x50, **request}]}
     ran = run_case(case(unit={"dsp": unit}, controller=head, disable=disable), "0.02")
@@ -31,8 +31,8 @@ def i2c_events(
     return ran.result.events
 
 
-SCL = 4 * 9  # nine bits: the controller moves SCL twice a bit, and each edge leaves the module's filter later
-TWO_BITS = 4 * 2 + 1  # two of nine bits are left, and the step over the other seven is one event of the controller
+SCL = 4 * 9  # nine bits: two edges of SCL per bit, and each edge leaves the filter of the module later
+TWO_BITS = 4 * 2 + 1  # two of nine bits, and one event of the controller for skipping the other seven
 
 
 @pytest.mark.parametrize(
@@ -47,15 +47,15 @@ TWO_BITS = 4 * 2 + 1  # two of nine bits are left, and the step over the other s
             "written",
             "55",
             SCL + 1 + 8,
-        ),  # eight changes of SDA, the one before the ACK included
-        # The same parts where bits are skipped; of the changes of SDA those around the ACK are left.
+        ),  # eight changes of SDA, including the one before the ACK
+        # The same with skipped bits; only the changes of SDA around the ACK remain.
         *(((), "read", byte, TWO_BITS + 2 + 2) for byte in ("00", "ff", "55")),
         ((), "written", "ff", TWO_BITS + 1),
         ((), "written", "55", TWO_BITS + 1 + 1),
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_costs(disable: object, request_: str, byte: str, events: int, count: int):
+def test_an_i2c_byte_costs_this_number_of_events(disable: object, request_: str, byte: str, events: int, count: int):
     def total(length: int) -> int:
         if request_ == "read":
             return i2c_events({"count": length}, byte, disable=disable)
@@ -65,9 +65,9 @@ def test_an_i2c_byte_costs(disable: object, request_: str, byte: str, events: in
 
 
 def sci_events(data: bytes, modules: list[str]) -> int:
-    """Events of a burst at exactly the receiver's rate, each word taken from the FIFO by a polling loop.
+    """Return the events of a burst at exactly the receiver's rate, which a polling loop reads from the FIFO.
 
-    No code between the accesses: the firmware waits again before the next start bit falls.
+    No code runs between accesses, so the firmware waits again before the next start bit.
     """
     unit = {"firmware": "uart_logger", "modules": modules, "code": {"between_accesses": 0}}
     scene = Scene(case(unit={"dsp": unit}))
@@ -79,20 +79,20 @@ def sci_events(data: bytes, modules: list[str]) -> int:
 @pytest.mark.parametrize(
     ("byte", "events"),
     [
-        # start bit falls and a rise ends it: 2 edges; the module wakes once, at the word's end; the CPU once
+        # 2 edges of start bit and stop bit; the module wakes once, at the end of the word, and the CPU once
         (0x00, 2 + 1 + 1),
         (0xFF, 2 + 1 + 1),
-        (0x55, 10 + 1 + 1),  # ten bits, each begins with an edge
+        (0x55, 10 + 1 + 1),  # ten bits, each of which begins with an edge
         (0x0F, 4 + 1 + 1),
     ],
 )
 @pytest.mark.parametrize("count", [1, 4, 11])
 @pytest.mark.parametrize("modules", [["SCI-A"], ["SCI-A", "GPIO"]])
-def test_an_sci_byte_costs(byte: int, events: int, count: int, modules: list[str]):
+def test_an_sci_byte_costs_this_number_of_events(byte: int, events: int, count: int, modules: list[str]):
     assert sci_events(bytes([byte] * (count + 1)), modules) - sci_events(bytes([byte] * count), modules) == events
 
 
-# Time that passes is free --------------------------------------------------------
+# Idle time costs no events --------------------------------------------------------
 
 
 def per_round(name: str, period: str, seconds: str, *changes: str) -> Fraction:
@@ -103,12 +103,12 @@ def per_round(name: str, period: str, seconds: str, *changes: str) -> Fraction:
 
 
 @pytest.mark.parametrize("name", ["imu_hil_published", "wrong_order", "imu_hil_no_sdir"])
-def test_a_round_every_2_s_costs_what_one_every_20_ms_does(name: str):
+def test_a_round_every_2_s_costs_as_much_as_one_every_20_ms(name: str):
     often, seldom = per_round(name, "20 ms", "0.4"), per_round(name, "2 s", "40")
     assert abs(seldom - often) <= often / 10
 
 
-def test_an_hour_in_which_nothing_happens_costs_nothing():
+def test_an_idle_hour_costs_no_events():
     once = ("controller.rounds=1", "host.frames=1")
     assert (
         run_file("imu_hil_published", "3600", *once).result.events
@@ -118,19 +118,19 @@ def test_an_hour_in_which_nothing_happens_costs_nothing():
 
 @pytest.mark.parametrize("name", ["imu_hil_published", "two_dsps"])
 @pytest.mark.parametrize("start", ["30 d", "12345.678 s"])
-def test_a_round_after_30_days_costs_and_measures_what_the_first_did(name: str, start: str):
+def test_a_round_after_30_days_has_the_cost_and_figures_of_the_first(name: str, start: str):
     first = run_file(name, "0.2").result
     late = run_file(name, "0.2", f"start={start}").result
     assert late.events == first.events
-    assert late.budgets == first.budgets  # worst cases, counts, and when they were, from the start
+    assert late.budgets == first.budgets  # worst cases, counts, and instants relative to the start
     assert late.counts == first.counts
 
 
-# What is not there costs nothing -------------------------------------------------
+# Absent modules cost no events -------------------------------------------------
 
 
 def imu_without(*modules: str) -> Scene:
-    """The emulator with fixed data, no host, and only these modules."""
+    """Run the emulator with fixed data, no host and only these modules."""
     loaded = load(TIMING / "imu_hil_no_sdir.toml")
     unit = loaded.unit["dsp"].model_copy(update={"modules": modules, "pins": {}})
     scene = Scene(loaded.model_copy(update={"unit": {"dsp": unit}, "host": None}))
@@ -138,14 +138,14 @@ def imu_without(*modules: str) -> Scene:
     return scene
 
 
-def test_without_sci_there_is_no_socket_no_wire_and_no_event_of_it():
+def test_without_sci_there_is_no_socket_wire_or_event_of_it():
     scene = imu_without("I2C-A")
     assert set(scene.units["dsp"].sockets) == {"SYS", "PIE", "I2C-A"}
     assert set(scene.wires) == {"SDA", "SCL"}
     assert scene.units["dsp"].router is None
     unused = imu_without("I2C-A", "SCI-A")
     assert set(unused.wires) == {"SDA", "SCL", "RX", "TX"}
-    assert 0 <= unused.kernel.events - scene.kernel.events < 16  # its set-up alone: nobody sends
+    assert 0 <= unused.kernel.events - scene.kernel.events < 16  # only its set-up, since nothing is sent
 
 
 def test_without_gpio_there_is_no_router_and_no_event_of_it():

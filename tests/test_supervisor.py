@@ -1,4 +1,4 @@
-"""Commands whose process user code ends: exit status 0 only if the whole output was written, and nothing stays behind.
+"""Commands whose process is ended by user code: status 0 requires the whole output, and nothing is left behind.
 
 shell --signal, exit status--> waiting process --> worker that runs firmware
 """
@@ -37,7 +37,7 @@ COMMAND = (sys.executable, "-m", "periph_sim")
 
 
 def case_of(folder: Path, code: str) -> Path:
-    """A case whose firmware executes `code` in main."""
+    """Write a case whose firmware executes `code` in main."""
     text = f"import atexit, ctypes, os, signal, sys, threading, time\ndef main(dsp, settings):\n    {code}\n"
     (folder / "short.py").write_text(text, encoding="utf-8")
     path = folder / "short.toml"
@@ -46,8 +46,8 @@ def case_of(folder: Path, code: str) -> Path:
 
 
 def run(case: Path) -> tuple[int, bytes, bytes]:
-    came = subprocess.run([*COMMAND, "run", case], capture_output=True, timeout=60)
-    return came.returncode, came.stdout, came.stderr
+    result = subprocess.run([*COMMAND, "run", case], capture_output=True, timeout=60)
+    return result.returncode, result.stdout, result.stderr
 
 
 @pytest.mark.parametrize(
@@ -70,8 +70,8 @@ def test_a_process_that_ends_before_its_verdict_has_status_3(tmp_path: Path, cod
 def test_a_process_that_ends_before_its_verdict_leaves_no_temporary_files(tmp_path: Path, code: str):
     case = case_of(tmp_path, f"os.chdir('/'); {code}")
     outputs = ("--record", "run.psr", "--html", "page.html")
-    came = subprocess.run([*COMMAND, "run", case.name, *outputs], capture_output=True, timeout=60, cwd=tmp_path)
-    assert came.returncode in (3, -signal.SIGKILL) and BEFORE in came.stderr
+    result = subprocess.run([*COMMAND, "run", case.name, *outputs], capture_output=True, timeout=60, cwd=tmp_path)
+    assert result.returncode in (3, -signal.SIGKILL) and BEFORE in result.stderr
     assert {path.name for path in tmp_path.iterdir()} == {"short.py", "short.toml"}
 
 
@@ -80,7 +80,7 @@ def test_a_process_that_ends_before_its_verdict_leaves_no_temporary_files(tmp_pa
     [("os.kill(os.getpid(), signal.SIGKILL)", signal.SIGKILL), ("ctypes.CDLL(None).abort()", signal.SIGABRT)],
     ids=["kill", "abort in C"],
 )
-def test_a_signal_that_ends_the_process_is_seen_by_the_caller(tmp_path: Path, code: str, number: int):
+def test_the_caller_receives_the_signal_that_ended_the_process(tmp_path: Path, code: str, number: int):
     status, out, err = run(case_of(tmp_path, code))
     assert (status, out) == (-number, b"") and BEFORE in err
 
@@ -94,14 +94,14 @@ def test_a_signal_that_ends_the_process_is_seen_by_the_caller(tmp_path: Path, co
     ],
     ids=["dup2", "close", "sys.stdout"],
 )
-def test_output_that_does_not_reach_standard_output_is_no_pass(tmp_path: Path, code: str, status: int):
-    came = run(case_of(tmp_path, code))
-    assert came[:2] == (status, b"") and b"standard output" in came[2] and came[2].count(b"\n") == 1
+def test_lost_standard_output_is_no_pass(tmp_path: Path, code: str, status: int):
+    result = run(case_of(tmp_path, code))
+    assert result[:2] == (status, b"") and b"standard output" in result[2] and result[2].count(b"\n") == 1
 
 
 def test_a_command_that_is_started_without_standard_output_is_no_pass(tmp_path: Path):
-    came = subprocess.run([*COMMAND, "run", case_of(tmp_path, "pass")], stderr=PIPE, preexec_fn=lambda: os.close(1))
-    assert came.returncode == 2 and came.stderr.startswith(b"Error: standard output is closed")
+    result = subprocess.run([*COMMAND, "run", case_of(tmp_path, "pass")], stderr=PIPE, preexec_fn=lambda: os.close(1))
+    assert result.returncode == 2 and result.stderr.startswith(b"Error: standard output is closed")
 
 
 @pytest.mark.parametrize("errors", [None, "/dev/full"], ids=["closed", "full"])
@@ -113,15 +113,15 @@ def test_a_verdict_does_not_depend_on_standard_error(tmp_path: Path, errors: str
             os.dup2(os.open(errors, os.O_WRONLY), 2)
 
     code = "print('hello', file=sys.stderr)\n    try: os.write(2, b'hello')\n    except OSError: pass"
-    came = subprocess.run([*COMMAND, "run", case_of(tmp_path, code)], stdout=PIPE, preexec_fn=close)
-    assert came.returncode == 0 and came.stdout.startswith(b"short: PASS") and b"hello" not in came.stdout
+    result = subprocess.run([*COMMAND, "run", case_of(tmp_path, code)], stdout=PIPE, preexec_fn=close)
+    assert result.returncode == 0 and result.stdout.startswith(b"short: PASS") and b"hello" not in result.stdout
 
 
-def test_the_launcher_of_an_older_installation_waits_too(tmp_path: Path):
-    """It calls `periph_sim.cli.main`, as entry points once said."""
+def test_the_launcher_of_an_older_installation_has_a_waiting_process(tmp_path: Path):
+    """It calls `periph_sim.cli.main`, as former entry points did."""
     code = "import sys; from periph_sim.cli import main; sys.exit(main())"
-    came = subprocess.run([sys.executable, "-c", code, "run", case_of(tmp_path, "os._exit(0)")], capture_output=True)
-    assert came.returncode == 3 and came.stderr.endswith(LOST)
+    result = subprocess.run([sys.executable, "-c", code, "run", case_of(tmp_path, "os._exit(0)")], capture_output=True)
+    assert result.returncode == 3 and result.stderr.endswith(LOST)
 
 
 def test_a_thread_that_still_runs_ends_with_the_command(tmp_path: Path):
@@ -130,9 +130,9 @@ def test_a_thread_that_still_runs_ends_with_the_command(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("exits_with", "status"), [(0, 0), (5, 3)])
-def test_an_exit_after_the_verdict_that_differs_from_it_is_no_verdict(tmp_path: Path, exits_with: int, status: int):
-    came, out, err = run(case_of(tmp_path, f"atexit.register(os._exit, {exits_with})"))
-    assert came == status and out.startswith(b"short: PASS") and err.endswith(LOST) == (status == 3)
+def test_an_exit_status_that_contradicts_the_verdict_is_no_verdict(tmp_path: Path, exits_with: int, status: int):
+    result, out, err = run(case_of(tmp_path, f"atexit.register(os._exit, {exits_with})"))
+    assert result == status and out.startswith(b"short: PASS") and err.endswith(LOST) == (status == 3)
 
 
 def test_a_fork_that_writes_the_verdict_twice_is_no_pass(tmp_path: Path):
@@ -147,7 +147,7 @@ SLOW = 'open(f"began{settings.number}", "w").close(); time.sleep(600 if settings
 
 @pytest.fixture
 def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A case that takes ten minutes, but for the run with number = 0."""
+    """A case whose run takes ten minutes, except with number = 0."""
     monkeypatch.chdir(tmp_path)
     case = case_of(tmp_path, SLOW)
     settings = "from dataclasses import dataclass\n@dataclass\nclass Settings:\n    number: int = 1\n"
@@ -156,8 +156,8 @@ def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return case
 
 
-def begun(process: Popen[bytes], name: str) -> None:
-    """Wait until firmware has begun."""
+def wait_until_begun(process: Popen[bytes], name: str) -> None:
+    """Wait until the firmware has begun."""
     while not Path(name).exists():
         assert process.poll() is None
         time.sleep(0.01)
@@ -182,7 +182,7 @@ def runs(pid: int) -> bool:
         return False
 
 
-def gone(pids: list[int]) -> None:
+def wait_until_ended(pids: list[int]) -> None:
     """Wait until these processes have ended."""
     while any(map(runs, pids)):
         time.sleep(0.01)
@@ -193,15 +193,15 @@ def gone(pids: list[int]) -> None:
 def test_a_signal_stops_a_run_and_removes_its_temporary_files(
     slow: Path, number: int, send: Callable[[int, int], None]
 ):
-    """A terminal, and `timeout`, send it to both processes, so that the worker receives it twice."""
+    """A terminal and `timeout` send the signal to both processes, so the worker receives it twice."""
     process = Popen(
         [*COMMAND, "run", slow, "--html", "page.html"],
         stdout=PIPE,
         stderr=PIPE,
         start_new_session=True,
-        preexec_fn=partial(signal.signal, number, signal.SIG_DFL),  # `nohup` and `&` of a script ignore some
+        preexec_fn=partial(signal.signal, number, signal.SIG_DFL),  # `nohup` and `&` of a script ignore some signals
     )
-    begun(process, "began1")
+    wait_until_begun(process, "began1")
     assert any(path.name.startswith(".page") for path in Path().iterdir())
     send(process.pid, number)
     out, err = process.communicate()
@@ -212,7 +212,7 @@ def test_a_signal_stops_a_run_and_removes_its_temporary_files(
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent was killed")
 @pytest.mark.parametrize(("command", "number"), [("sweep", signal.SIGKILL), ("check", signal.SIGTERM)])
 def test_a_stopped_command_leaves_no_process_and_keeps_what_is_done(slow: Path, command: str, number: int):
-    """Killed by SIGKILL, the waiting process can do nothing; the worker is told, and writes its rows."""
+    """After SIGKILL the waiting process can do nothing; the worker receives a signal and writes its rows."""
     rows = Path("rows")
     if command == "sweep":
         options = [slow, "--vary", "unit.dsp.settings.number=0, 1, 2", "--csv", rows]
@@ -221,14 +221,14 @@ def test_a_stopped_command_leaves_no_process_and_keeps_what_is_done(slow: Path, 
         quick.write_text(slow.read_text("utf-8").replace('"short"', '"quick"') + "[unit.dsp.settings]\nnumber = 0\n")
         options = [quick, slow, "--junit", rows]
     process = Popen([*COMMAND, command, *options, "--jobs", "2"], stdout=PIPE, stderr=PIPE)
-    begun(process, "began1")
+    wait_until_begun(process, "began1")
     if command == "sweep":
-        begun(process, "began2")
+        wait_until_begun(process, "began2")
     processes = list(descendants(process.pid))
     assert len(processes) >= 3  # the worker, the server, and one for each run
     process.send_signal(number)
     process.communicate()
-    gone(processes)
+    wait_until_ended(processes)
     assert process.returncode == (2 if number == signal.SIGTERM else -number)
     done = rows.read_text("utf-8")
     if command == "sweep":
@@ -239,7 +239,7 @@ def test_a_stopped_command_leaves_no_process_and_keeps_what_is_done(slow: Path, 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize(
-    ("code", "status", "said"),
+    ("code", "status", "message"),
     [
         ("os.register_at_fork(after_in_child=interrupt); supervise(int, 'tried')", -signal.SIGINT, b""),
         ("supervise(interrupt, 'tried')", 2, b"stopped\n"),
@@ -247,15 +247,15 @@ def test_a_stopped_command_leaves_no_process_and_keeps_what_is_done(slow: Path, 
     ],
     ids=["before the work", "in the work", "after the work"],
 )
-def test_ctrl_c_outside_of_a_command_has_no_traceback(code: str, status: int, said: bytes):
+def test_ctrl_c_outside_of_a_command_has_no_traceback(code: str, status: int, message: bytes):
     begin = (
         "import atexit, os, signal; from periph_sim.supervisor import supervise\n"
         "def interrupt(): os.kill(os.getpid(), signal.SIGINT)\n"
     )
-    came = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-c", begin + code],
         capture_output=True,
         timeout=60,
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
     )
-    assert (came.returncode, came.stderr) == (status, said)
+    assert (result.returncode, result.stderr) == (status, message)

@@ -1,4 +1,4 @@
-"""A test that loops fails, with where it looped, and the tests after it run."""
+"""A test with an endless loop fails with the place of the loop, and the tests after it run."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ LOOPING = """
 
 
 @pytest.mark.parametrize("loop", ["forever()", "greenlet(forever).switch()"], ids=["plain", "in a greenlet"])
-def test_a_loop_ends_by_itself(pytester: pytest.Pytester, loop: str) -> None:
+def test_an_endless_loop_is_ended(pytester: pytest.Pytester, loop: str) -> None:
     pytester.makepyfile(LOOPING.format(loop=loop))
-    came = pytester.runpytest_subprocess("-o", "timeout=1", "-o", "timeout_method=signal", "-p", "no:cacheprovider")
-    came.assert_outcomes(failed=1, passed=1)
-    came.stdout.fnmatch_lines(["*Failed: Timeout*", "*.py:4: Failed"])
+    result = pytester.runpytest_subprocess("-o", "timeout=1", "-o", "timeout_method=signal", "-p", "no:cacheprovider")
+    result.assert_outcomes(failed=1, passed=1)
+    result.stdout.fnmatch_lines(["*Failed: Timeout*", "*.py:4: Failed"])
 
 
 def test_the_suite_has_limits(pytestconfig: pytest.Config) -> None:

@@ -1,4 +1,4 @@
-"""Which test files a change reaches: by imports, by folders that are searched, by fixtures, by names of data."""
+"""Selection of the test files that a change reaches: by imports, searched folders, fixtures and names of data."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.touched import touched
 PAGES = Path("tests/docs/test_pages.py")
 
 
-def of(*changed: str) -> list[str]:
+def touched_by(*changed: str) -> list[str]:
     return [str(file) for file in touched([Path(name) for name in changed])]
 
 
@@ -29,19 +29,21 @@ def of(*changed: str) -> list[str]:
         ("docs/why.md", "tests/docs/test_pages.py"),
     ],
 )
-def test_a_change_reaches(changed: str, reached: str):
-    assert reached in of(changed)
+def test_a_change_reaches_this_test_file(changed: str, reached: str):
+    assert reached in touched_by(changed)
 
 
-def test_what_a_change_does_not_reach_is_left_out():
-    of_lint = of("periph_sim/records/lints/i2c.py")
+def test_test_files_that_a_change_does_not_reach_are_left_out():
+    of_lint = touched_by("periph_sim/records/lints/i2c.py")
     assert "tests/core/test_wire.py" not in of_lint and str(PAGES) not in of_lint
-    assert of("tests/waves.py") != [] and "tests/traces/decode/test_uart_guess.py" not in of("tests/waves.py")
-    assert of() == []
+    assert touched_by("tests/waves.py") != [] and "tests/traces/decode/test_uart_guess.py" not in touched_by(
+        "tests/waves.py"
+    )
+    assert touched_by() == []
 
 
-def test_the_nearest_come_first_and_each_once():
-    files = of(
+def test_the_nearest_test_files_are_first_and_each_is_listed_once():
+    files = touched_by(
         "periph_sim/timing/measures/margin.py", "periph_sim/timing/measures/margin.py", "tests/core/test_wire.py"
     )
     assert files[0] == "tests/core/test_wire.py" and len(files) == len(set(files)) > 50

@@ -1,8 +1,8 @@
-"""The wheel: what is in it, and that it works in a repository that has a package `firmware` of its own.
+"""The wheel: its contents, and that it works in a repository with a package `firmware` of its own.
 
-Two kinds: the pure one, and one with the compiled core, packed where a core is compiled of these sources already. Each
-is installed by pip in an environment of its own, with what it needs at run time alone: no Cython, no compiler on the
-path, and not these sources.
+There are two kinds: the pure one, and one with the compiled core, if a core is compiled of these sources already. Each
+is installed by pip in a separate environment with the packages that it needs at run time only: without Cython, without
+a compiler on the path, and without these sources.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from tests.docs.pages import CONSOLE, FILE, WIDTH, commands, matches
 
 ROOT = Path(__file__).parents[1]
 
-# Pages for the first hour, by stem, or the one section of a page that is for it.
+# Pages for the first hour, by stem, each with the section for it if that is not the whole page.
 FIRST_HOUR = (("first_slave", ""), ("serial", ""), ("images", "A first image"))
 MOST_LINES = 25  # maximum number of lines of an output on them
 FEWEST_COMMANDS = 3  # minimum number of commands on them
@@ -61,7 +61,7 @@ max = 0
 
 
 def built(folder: Path, **variables: str) -> Path:
-    """The wheel that the build backend makes in `folder`."""
+    """Build the wheel in `folder`, and return its path."""
     subprocess.run(
         [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)],
         cwd=ROOT,
@@ -74,9 +74,9 @@ def built(folder: Path, **variables: str) -> Path:
 
 
 def installed_in(folder: Path, wheel: Path, extra: str = "") -> Path:
-    """The site-packages of a new environment that has the wheel, and links to the packages that it needs to run.
+    """Return the site-packages of a new environment with the wheel and with links to the packages that it needs.
 
-    extra: an extra of the wheel whose packages are linked too.
+    `extra` is an extra of the wheel, whose packages are linked too.
     """
     venv.create(folder, with_pip=False)
     (site,) = folder.glob("lib/python3*/site-packages")
@@ -105,7 +105,7 @@ def needed(name: str, extra: str = "") -> set[str]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder that all processes of a test session share."""
+    """A folder shared by all processes of a test session."""
     base = tmp_path_factory.getbasetemp()
     shared = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "wheels"
     shared.mkdir(exist_ok=True)
@@ -124,7 +124,7 @@ def installed(wheel: Path, folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def first_hour(request: pytest.FixtureRequest, wheel: Path, folder: Path) -> Path:
-    """The bin folder of an environment with a wheel and its extra `pytest`: the compiled one, where there is one."""
+    """The bin folder of an environment with a wheel, compiled if possible, and its extra `pytest`."""
     if usable(PACKAGE, BUILT)[0]:
         wheel = request.getfixturevalue("compiled_wheel")
 
@@ -151,7 +151,7 @@ def compiled(compiled_wheel: Path, folder: Path) -> Path:
 
 
 def made_once(place: Path, make: Callable[[Path], Path]) -> Path:
-    """What `make` made in `place`, by the first process of the test session that asks for it."""
+    """Return the result of `make`, which the first process of the test session that needs it makes in `place`."""
     made = place.with_suffix(".made")
     with place.with_suffix(".lock").open("w") as lock:
         flock(lock, LOCK_EX)
@@ -162,7 +162,7 @@ def made_once(place: Path, make: Callable[[Path], Path]) -> Path:
 
 @pytest.fixture
 def repository(tmp_path: Path) -> Path:
-    """A user's: its `firmware` is a package, which nobody is to import; two of its files are the case's firmware."""
+    """A user's repository whose package `firmware` must not be imported; two of its files are the case's firmware."""
     for folder in ("firmware", "timing"):
         (tmp_path / folder).mkdir()
     (tmp_path / "firmware" / "__init__.py").write_text("raise RuntimeError('the repository own firmware package')\n")
@@ -173,14 +173,14 @@ def repository(tmp_path: Path) -> Path:
 
 
 def python_of(site: Path) -> Path:
-    """Of the environment of a wheel."""
+    """Return the Python of the environment of a wheel."""
     return site.parents[2] / "bin" / "python"
 
 
 def command(site: Path, repository: Path, *arguments: str, changed: Path | None = None) -> CompletedProcess[str]:
-    """Run where no compiler is found; a wheel in the form that it has, the clone in that of the other tests.
+    """Run where no compiler is found: a wheel in its own form, and the clone in that of the other tests.
 
-    changed: a folder that is looked into first.
+    `changed` is a folder that is searched first.
     """
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "", "PATH": ""}
     environment.pop("PYTHONPATH", None)
@@ -198,7 +198,7 @@ def command(site: Path, repository: Path, *arguments: str, changed: Path | None 
     )
 
 
-def test_all_files_are_below_the_package_and_none_is_forgotten(wheel: Path) -> None:
+def test_all_files_are_below_the_package_and_none_is_missing(wheel: Path) -> None:
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     assert {name.partition("/")[0] for name in names} == {"periph_sim"}
     sources = [
@@ -211,7 +211,7 @@ def test_all_files_are_below_the_package_and_none_is_forgotten(wheel: Path) -> N
     assert "periph_sim/py.typed" in names
 
 
-def test_a_wheel_of_one_platform_carries_the_compiled_core_besides(wheel: Path, compiled_wheel: Path) -> None:
+def test_a_platform_wheel_also_contains_the_compiled_core(wheel: Path, compiled_wheel: Path) -> None:
     assert re.fullmatch(r"periph_sim-[\d.]+-cp3\d+-cp3\d+-\w+\.whl", compiled_wheel.name), compiled_wheel.name
     more = set(zipfile.ZipFile(compiled_wheel).namelist()) - set(zipfile.ZipFile(wheel).namelist())
     expected = {f"periph_sim/compiled/{name}" for name in (LIBRARY, MANIFEST)}
@@ -229,8 +229,8 @@ def test_an_environment_has_neither_sources_nor_tools(installed: Path, compiled:
     for site in (installed, compiled):
         environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
         look = [python_of(site), "-c", LOOK]
-        came = subprocess.run(look, cwd=repository, env=environment, capture_output=True, text=True, check=True)
-        file, path, absent = json.loads(came.stdout)
+        result = subprocess.run(look, cwd=repository, env=environment, capture_output=True, text=True, check=True)
+        file, path, absent = json.loads(result.stdout)
         assert Path(file).parent == site / "periph_sim" and not Path(file).is_symlink()
         assert absent == ["Cython", "pytest", "hatchling", "pip"]
         assert [one for one in path if one and Path(one).resolve() == ROOT] == []
@@ -249,58 +249,58 @@ def test_the_compiled_core_runs_from_its_wheel_and_records_the_same(
     assert recorded[0] == recorded[1] and recorded[0].count(b"\n") > 100
 
 
-def test_a_source_changed_in_place_leaves_its_core_alone_and_is_told(
+def test_a_changed_source_disables_the_compiled_core_with_a_notice(
     compiled: Path, repository: Path, tmp_path: Path
 ) -> None:
     changed = shutil.copytree(compiled / "periph_sim", tmp_path / "changed" / "periph_sim")
     with (changed / "core" / "wire.py").open("a") as source:
         source.write("# changed by a user\n")
-    came = command(compiled, repository, "--version", changed=changed.parent)
-    assert came.stdout.endswith(", interpreted\n")
-    assert came.stderr == (
+    result = command(compiled, repository, "--version", changed=changed.parent)
+    assert result.stdout.endswith(", interpreted\n")
+    assert result.stderr == (
         "the compiled core was built of other sources or for another Python, so it is left alone and this run is "
         "interpreted; `python -m periph_sim.form.build` builds it anew\n"
     )
 
 
-def test_version_is_one(wheel: Path, installed: Path, repository: Path) -> None:
+def test_wheel_and_command_have_the_version_of_the_package(wheel: Path, installed: Path, repository: Path) -> None:
     assert wheel.name == f"periph_sim-{periph_sim.__version__}-py3-none-any.whl"
-    came = command(installed, repository, "--version")
-    assert came.stdout == f"periph-sim, version {periph_sim.__version__}, interpreted\n"
+    result = command(installed, repository, "--version")
+    assert result.stdout == f"periph-sim, version {periph_sim.__version__}, interpreted\n"
 
 
-def test_a_repository_with_its_own_firmware_package(installed: Path, repository: Path) -> None:
-    came = command(installed, repository, "run", "timing/own.toml")
-    assert (came.returncode, came.stderr) == (0, "")
-    assert "own: PASS" in came.stdout
+def test_a_case_runs_in_a_repository_with_its_own_firmware_package(installed: Path, repository: Path) -> None:
+    result = command(installed, repository, "run", "timing/own.toml")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "own: PASS" in result.stdout
     assert not list(repository.rglob("__pycache__"))
 
 
-def test_a_shipped_case_tells_the_same_figures_and_places(installed: Path, repository: Path) -> None:
-    """Bounds read the firmware's source, lints name its lines."""
+def test_a_shipped_case_has_the_same_figures_and_places(installed: Path, repository: Path) -> None:
+    """Lints read the firmware's source and name its lines."""
     case = ("timing", "imu_hil_no_sdir.toml")
-    told = []
+    printed = []
     for site, examples in ((ROOT, ROOT), (installed, installed / "periph_sim" / "examples")):
         ran = command(site, repository, "run", str(examples.joinpath(*case)), "--seconds", "0.3", "--record", "run.psr")
         lints = command(site, repository, "lint", "run.psr")
-        told.append((ran.stdout, ran.stderr, lints.stdout, lints.stderr))
-    assert told[0] == told[1]
-    assert "batch_read:" in told[0][2]
+        printed.append((ran.stdout, ran.stderr, lints.stdout, lints.stderr))
+    assert printed[0] == printed[1]
+    assert "batch_read:" in printed[0][2]
 
 
 def test_a_shipped_case_keeps_its_baseline(installed: Path, repository: Path) -> None:
     case = installed / "periph_sim/examples/timing/imu_hil_broken_line.toml"
-    came = command(installed, repository, "check", str(case))
-    assert (came.returncode, came.stderr) == (0, ""), came.stdout
+    result = command(installed, repository, "check", str(case))
+    assert (result.returncode, result.stderr) == (0, ""), result.stdout
 
 
 @pytest.mark.parametrize(("name", "heading"), FIRST_HOUR)
-def test_a_page_of_the_first_hour_can_be_typed_in_as_it_stands(
+def test_the_commands_of_a_page_of_the_first_hour_work_as_printed(
     first_hour: Path, tmp_path: Path, name: str, heading: str
 ) -> None:
-    """In an empty folder, by a shell that finds the wheel's `periph-sim`, pytest and the system's commands.
+    """The commands run in an empty folder, in a shell that finds the wheel's `periph-sim`, pytest and system commands.
 
-    Commands within a sentence come last; nothing is shown for them, so they have to succeed.
+    Commands within a sentence are run last; no output is shown for them, so they must succeed.
     """
     page = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
     if heading:
@@ -319,8 +319,8 @@ def test_a_page_of_the_first_hour_can_be_typed_in_as_it_stands(
     typed = [one for block in CONSOLE.findall(page) for one in commands(block)]
     assert len(typed) >= FEWEST_COMMANDS
     for line, shown in typed:
-        came = "".join(f"{text.rstrip()}\n" for text in shell(line).stdout.splitlines())
-        assert matches(shown, came), f"{line}\n{came}"
+        result = "".join(f"{text.rstrip()}\n" for text in shell(line).stdout.splitlines())
+        assert matches(shown, result), f"{line}\n{result}"
         assert shown.count("\n") <= MOST_LINES, line
     for line in IN_SENTENCE.findall(page):
         done = shell(line)

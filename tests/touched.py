@@ -1,14 +1,14 @@
-"""The tests that a change reaches: files that differ from a commit go in, pytest runs the test files that import them.
+"""Run the tests that a change reaches: the test files that import a file that differs from a commit.
 
-    git diff, git status --> files --> modules --who imports them, at whatever distance--> tests, nearest first
+    git diff, git status --> files --> modules --importers, at any distance--> tests, nearest first
 
     python -m tests.touched [COMMIT] [pytest arguments ...]     COMMIT: main if none is given
 
-Who imports whom is what import-linter's grimp reads from the sources. A module that nobody imports is found by its
-folder (lints, formats, commands), and counts as imported by that; a conftest.py by the tests beside and below it. A
-file that is no module (a case, a trace, a page) counts as used by every test file that names it, and firmware, which
-cases load by path, as well. Pages and pictures, whose commands run through everything, are left to `make test`, unless
-one of them changed.
+import-linter's grimp reads the imports from the sources. A module without importers is loaded by its package, which
+searches a folder (lints, formats, commands), so it counts as imported by it; a conftest.py counts as imported by the
+tests beside and below it. A file that is no module (a case, a trace, a page) counts as used by every test file that
+names it, and so does firmware, which cases load by path. Pages and pictures, whose commands use everything, are left
+to `make test`, unless one of them changed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ PAGES = (".md", ".svg", ".png")
 
 
 def changed_files(commit: str) -> list[Path]:
-    """What differs from a commit, in the work tree or untracked; relative to the repository."""
+    """Return the files that differ from a commit, in the work tree or untracked, relative to the repository."""
     differs = _git("diff", "--name-only", "--merge-base", commit)
     new = _git("ls-files", "--others", "--exclude-standard")
     return [Path(line) for line in sorted({*differs, *new})]
@@ -46,7 +46,7 @@ def _git(*arguments: str) -> list[str]:
 
 
 def touched(changed: Sequence[Path]) -> list[Path]:
-    """The test files that these files reach, those at the least distance first."""
+    """Return the test files that these files reach, those at the least distance first."""
     graph = _graph()
     all_tests = {path.relative_to(ROOT): module_of(path.relative_to(ROOT)) for path in ROOT.glob("tests/**/test_*.py")}
     distances: dict[Path, int] = {}
@@ -58,7 +58,7 @@ def touched(changed: Sequence[Path]) -> list[Path]:
         nearest = _distances(graph, module_of(path)) if path.suffix == ".py" else {}
         fixtures = {module.rpartition(".")[0]: far for module, far in nearest.items() if module.endswith(".conftest")}
         if path != Path("tests/conftest.py"):
-            fixtures.pop("tests", None)  # shows how diagrams differ, which changes no outcome
+            fixtures.pop("tests", None)  # it formats differing diagrams, which changes no outcome
         word = path.name if path.suffix in PAGES else path.stem
         for file, module in all_tests.items():
             if module in nearest:
@@ -81,7 +81,7 @@ def _graph() -> grimp.ImportGraph:
 
 
 def module_of(path: Path) -> str:
-    """The module of a file: "periph_sim.core.wire"."""
+    """Return the name of the module of a file, such as "periph_sim.core.wire"."""
     parts = path.with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
@@ -91,7 +91,7 @@ def _is_data(path: Path) -> bool:
 
 
 def _distances(graph: grimp.ImportGraph, changed: str) -> dict[str, int]:
-    """Modules by how many imports lie between them and the changed one; 0 for that itself."""
+    """Return the number of imports between each module and the changed one, which has 0."""
     found = {changed: 0} if changed in graph.modules else {}
     edge = list(found)
     while edge:
@@ -112,7 +112,7 @@ def main(arguments: list[str]) -> int:
     commit = arguments[0] if arguments and not arguments[0].startswith("-") else "main"
     changed = changed_files(commit)
     files = touched(changed)
-    print(f"{len(changed)} files differ from {commit}; {len(files)} test files reach them", flush=True)
+    print(f"{len(changed)} files differ from {commit}; these reach {len(files)} test files", flush=True)
     if not files:
         return 0
     return int(pytest.main([*map(str, files), *arguments[arguments[:1] == [commit] :]]))

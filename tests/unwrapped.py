@@ -1,8 +1,8 @@
-"""Text that was broken to fit 80 columns, as one line again: for tests of what it says, not of where it is broken."""
+"""Remove the line breaks of text wrapped at 80 columns, for tests of its words and not of the places of its breaks."""
 
 from __future__ import annotations
 
 
 def unwrapped(text: str) -> str:
-    """The words with single blanks between them."""
+    """Return the words separated by single blanks."""
     return " ".join(text.split())

@@ -1,15 +1,15 @@
 """Timing diagrams as expected values.
 
-One row a signal, one character a column, `column` cycles a column. `>` rows are
-played into the rig; `<` rows are what it must show at the end of each column:
+There is one row per signal and one character per column of `column` cycles. `>` rows are
+played into the rig; `<` rows are what the rig must show at the end of each column:
 
     > RXD     1 0 10101010 1 1
     < RXFFST  0 . ........ 1 .
 
-0..f are levels or hexadecimal digits, `.` is "as before", blanks are for the eye.
-`play` hands back the diagram as it came out, so that a test is the one line
-`assert play(diagram, rig, BIT) == tidy(diagram)`, or `rig.check(diagram)`; its failure shows the two diagrams,
-the columns that differ marked (see conftest.py).
+0..f are levels or hexadecimal digits, `.` is "as before", blanks are ignored.
+`play` returns the observed diagram, so that a test is the one line
+`assert play(diagram, rig, BIT) == tidy(diagram)`, or `rig.check(diagram)`; its failure shows the two diagrams
+with the differing columns marked (see conftest.py).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Protocol, Self
 
 
 class Rig(Protocol):
-    """What a diagram is played into: a bare chip and a few lines around it."""
+    """A chip with a few lines around it, into which a diagram is played."""
 
     def drive(self, now: int, signal: str, level: int) -> None: ...
 
@@ -28,7 +28,7 @@ class Rig(Protocol):
 
 
 class Diagram(str):
-    """A diagram; conftest.py shows two that differ one above the other."""
+    """A diagram; conftest.py shows two differing ones one above the other."""
 
 
 def tidy(diagram: str) -> Diagram:
@@ -36,7 +36,7 @@ def tidy(diagram: str) -> Diagram:
 
 
 def play(diagram: str, rig: Rig, column: int, start: int = 0) -> Diagram:
-    """The diagram as the rig showed it; `start` is the time at which its first column begins."""
+    """Return the observed diagram; `start` is the time at which its first column begins."""
     lines = tidy(diagram).splitlines()
     rows = [line.split(maxsplit=2) for line in lines]
     assert all(way in "<>" for way, _, _ in rows), "a row begins with > (played in) or < (expected)"
@@ -62,14 +62,14 @@ def play(diagram: str, rig: Rig, column: int, start: int = 0) -> Diagram:
 
 
 class DiagramRig(Rig):
-    """Base of rigs into which many diagrams are played."""
+    """Base class of rigs into which many diagrams are played."""
 
     def columns(self) -> tuple[int, int]:
         """Return the cycles of a column, and the cycle in which the first one begins."""
         return 1, 0
 
     def check(self, diagram: str, column: int = 0, start: int | None = None) -> Self:
-        """Fail unless the rig shows this diagram; return the rig. column, start: as `columns` says if not given."""
+        """Fail unless the rig shows this diagram; return the rig. Defaults are those of `columns`."""
         usual, begin = self.columns()
         assert play(diagram, self, column or usual, begin if start is None else start) == tidy(diagram)
         return self

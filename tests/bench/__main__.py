@@ -1,13 +1,13 @@
-"""`make bench`: how fast it runs here, part by part, into one JSON and one plot. Nothing is asserted on time.
+"""`make bench`: speed on this machine, part by part, as one JSON file and one plot. No time is asserted.
 
 python -m tests.bench [--long] [--repeat 3] [--json build/bench/bench.json] [--plot build/bench/bench.svg] [PART ...]
 
     machine, date --.
-    each part: rows -+--> {"machine": ..., "parts": {PART: [rows]}} --> JSON, plot, a line a row as it comes
+    each part: rows -+--> {"machine": ..., "parts": {PART: [rows]}} --> JSON, plot, a printed line per row
     targets --------'
 
-CPU time of one core, medians; parts that are not asked for keep the rows of a JSON that is there, if it is of the same
-machine and day. python -m tests.bench.speed_table puts its figures into docs/fidelity.md.
+Figures are medians of CPU time on one core. Parts that are not requested keep their rows of an existing JSON file from
+the same machine and day. python -m tests.bench.speed_table writes the figures to docs/fidelity.md.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ SCHEMA = 1
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.bench", description="How fast it runs here.")
-    parser.add_argument("--long", action="store_true", help="growth up to an hour of scene, not a minute")
-    parser.add_argument("--repeat", type=int, default=3, help="runs of which the median is taken")
+    parser = argparse.ArgumentParser(prog="python -m tests.bench", description="Measure the speed on this machine.")
+    parser.add_argument("--long", action="store_true", help="measure growth up to an hour of scene instead of a minute")
+    parser.add_argument("--repeat", type=int, default=3, help="number of runs, whose median is used")
     parser.add_argument("--json", type=Path, default=ROOT / "build" / "bench" / "bench.json")
     parser.add_argument("--plot", type=Path, default=ROOT / "build" / "bench" / "bench.svg")
-    parser.add_argument("parts", nargs="*", metavar="PART", help="levels, recorded, start, peers, ...; all without")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="levels, recorded, start, peers, ...; default: all")
     given = parser.parse_args()
     which, repeat = forms(), given.repeat
     if len(which) == 1:
@@ -52,40 +52,40 @@ def main() -> None:
     }
     if unknown := set(given.parts) - set(known):
         parser.error(f"there is no part {', '.join(sorted(unknown))}; there are {', '.join(known)}")
-    told: dict[str, Any] = {"schema": SCHEMA, "machine": machine(which), "parts": kept(given.json, machine(which))}
+    bench: dict[str, Any] = {"schema": SCHEMA, "machine": machine(which), "parts": kept(given.json, machine(which))}
     for name in given.parts or known:
         rows, line = known[name]
         began = perf_counter()
         print(f"\n{name}", flush=True)
-        told["parts"][name] = []
+        bench["parts"][name] = []
         for row in rows():
             print(f"  {line(row)}", flush=True)
-            told["parts"][name].append(row)
+            bench["parts"][name].append(row)
         print(f"  ({perf_counter() - began:.0f} s)", flush=True)
-        written(given.json, told)
-    told["targets"] = list(targets.rows(told["parts"]))
+        write_json(given.json, bench)
+    bench["targets"] = list(targets.rows(bench["parts"]))
     print("\ntargets")
-    for row in told["targets"]:
+    for row in bench["targets"]:
         print(f"  {targets.line(row)}")
-    written(given.json, told)
+    write_json(given.json, bench)
     given.plot.parent.mkdir(parents=True, exist_ok=True)
-    if told["parts"].get("levels"):
-        levels.plot(told["parts"]["levels"], given.plot)
+    if bench["parts"].get("levels"):
+        levels.plot(bench["parts"]["levels"], given.plot)
 
 
 def kept(path: Path, here: dict[str, Any]) -> dict[str, Any]:
-    """The parts of a JSON that is there already, of this machine, day and forms."""
+    """Return the parts of an existing JSON file of the same machine, day and forms, or {}."""
     try:
-        told = json.loads(path.read_text("utf-8"))
-        same = all(told["machine"][key] == here[key] for key in ("date", "processor", "python", "forms", "periph_sim"))
-        return dict(told["parts"]) if same else {}
+        bench = json.loads(path.read_text("utf-8"))
+        same = all(bench["machine"][key] == here[key] for key in ("date", "processor", "python", "forms", "periph_sim"))
+        return dict(bench["parts"]) if same else {}
     except (OSError, ValueError, KeyError, TypeError):
         return {}
 
 
-def written(path: Path, told: dict[str, Any]) -> None:
+def write_json(path: Path, bench: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(told, indent=1) + "\n", "utf-8")
+    path.write_text(json.dumps(bench, indent=1) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

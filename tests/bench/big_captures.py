@@ -1,10 +1,10 @@
-"""Captures of the size that people bring, made here: `.sr` files of 20, 50 and 76 million samples.
+"""Captures of realistic size, generated here: `.sr` files of 20, 50 and 76 million samples.
 
-    dense   I2C, 20 million samples, 1.03 million edges: a flash being written and polled without a rest
-    sparse  I2C, 50 million samples, 37 thousand edges: a sensor read now and then
+    dense   I2C, 20 million samples, 1.03 million edges: a flash that is written and polled continuously
+    sparse  I2C, 50 million samples, 37 thousand edges: a sensor that is read at intervals
     uart    115200 8n1 at 24 MHz, 76 million samples, 164 thousand edges
 
-Written as sigrok writes them: deflate at its usual level, chunks of 4 MiB, one byte a sample.
+They have the format that sigrok writes: deflate at its default level, chunks of 4 MiB, one byte per sample.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BIT = 48  # samples of one bit on the I2C bus
 
 
 def page_write(wave: I2cWave, number: int) -> None:
-    """16 bytes to a flash, then its address until it has written them."""
+    """Write 16 bytes to a flash, and poll its address until it has stored them."""
     place = number >> 4 & 0xFF, number << 4 & 0xFF
     wave.transfer(0xA0, *place, *(number * 31 + byte * 37 & 0xFF for byte in range(16)))
     wave.idle(BIT)
@@ -37,7 +37,7 @@ def page_write(wave: I2cWave, number: int) -> None:
 
 
 def sensor_read(wave: I2cWave, number: int) -> None:
-    """Six bytes from a register of a sensor."""
+    """Read six bytes from a register of a sensor."""
     wave.start()
     wave.byte(0xD0)
     wave.byte(0x1D)
@@ -66,10 +66,10 @@ def sparse(length: int = 50_000_000) -> bytes:
 
 
 def uart(length: int = 76_000_000, rate: int = 24_000_000, baud: int = 115_200) -> bytes:
-    """Bursts of sixteen frames, each burst a few bits apart from the last."""
+    """Return bursts of sixteen frames with a pause of a few bits between bursts."""
     values = np.random.default_rng(115200).integers(0, 256, 30_000).tolist()
     width = Fraction(rate, baud)
-    silence = length * baud // rate - 10 * len(values) - 40  # bit times of it to spread
+    silence = length * baud // rate - 10 * len(values) - 40  # bit times to distribute over the pauses
     pause = silence // (len(values) // 16 + 1)
     begins = (20 + 10 * number + number // 16 * pause for number in range(len(values)))
     frames = ((begin * width, frame_bits(value)) for begin, value in zip(begins, values, strict=True))
@@ -84,7 +84,7 @@ MAKERS: dict[str, tuple[Callable[[], bytes], list[str], str]] = {
 
 
 def write(folder: Path) -> dict[str, Path]:
-    """The three files, by name; those that are there already stay."""
+    """Write the three files, except those that exist, and return their paths by name."""
     found = {}
     for name, (make, names, rate) in MAKERS.items():
         found[name] = path = folder / f"{name}.sr"

@@ -1,4 +1,4 @@
-"""A function of the bench in a process of its own, in the form asked for: arguments go in, its JSON comes out.
+"""Run a function of the bench in a separate process, in the given form of the core, and return its result as JSON.
 
 python -m tests.bench.child MODULE FUNCTION JSON-ARGUMENTS
 """
@@ -21,19 +21,19 @@ TIMING = ROOT / "timing"
 
 
 def forms() -> list[str]:
-    """Interpreted; and compiled, where a core is built of these sources."""
+    """Return the interpreted form, and the compiled one if a core is built of these sources."""
     built = form.usable(form.PACKAGE, form.BUILT)[0]
     return [form.INTERPRETED, form.COMPILED] if built else [form.INTERPRETED]
 
 
 def environment(which: str) -> dict[str, str]:
-    """For a process in this form."""
+    """Return the environment variables of a process in this form."""
     kept = {key: value for key, value in os.environ.items() if key != form.VARIABLE}
     return {**kept, form.VARIABLE: form.INTERPRETED} if which == form.INTERPRETED else kept
 
 
 def in_form(which: str, module: str, function: str, *arguments: object) -> Any:
-    """What tests.bench.MODULE.FUNCTION(*arguments) gives in a fresh process."""
+    """Return the result of tests.bench.MODULE.FUNCTION(*arguments) in a new process."""
     command = [sys.executable, "-m", "tests.bench.child", module, function, json.dumps(arguments)]
     done = subprocess.run(command, cwd=ROOT, env=environment(which), capture_output=True, text=True, check=False)
     if done.returncode:

@@ -1,9 +1,9 @@
-"""Runs inside the Verilog simulator: cocotbext-i2c's master asks its memory as the sensor head asks a chip.
+"""Runs inside the Verilog simulator: cocotbext-i2c's master requests the same from its memory as the sensor head from a
+chip.
 
-Goes in: BENCH_ROUNDS and BENCH_RESULT (a path) from the environment. Comes out: a JSON
-object in that file. One round is three requests of nine bytes on the wire: address,
-pointer, address again, six data bytes. cocotbext-i2c 0.1.2 clocks at half the speed it is
-given; the bytes per wall second do not change with it.
+BENCH_ROUNDS and BENCH_RESULT (a path) are read from the environment, and a JSON object is written to that path. One
+round is three requests of nine bytes on the wire: address, pointer, address again, six data bytes. cocotbext-i2c 0.1.2
+clocks at half the given speed, which does not change the bytes per second of wall time.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ WIRE_BYTES = 1 + 1 + 1 + COUNT  # address and pointer, address again and data
 
 @cocotb.test()
 async def rounds(dut) -> None:
-    logging.getLogger("cocotb").setLevel(logging.WARNING)  # both models tell every byte otherwise
+    logging.getLogger("cocotb").setLevel(logging.WARNING)  # otherwise both models log every byte
     memory = I2cMemory(sda=dut.sda, sda_o=dut.memory_sda, scl=dut.scl, scl_o=dut.memory_scl, addr=ADDRESS)
     master = I2cMaster(sda=dut.sda, sda_o=dut.master_sda, scl=dut.scl, scl_o=dut.master_scl, speed=100e3)
     expected = bytes(range(0x10, 0x10 + COUNT))

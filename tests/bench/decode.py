@@ -1,7 +1,7 @@
-"""`make bench`, decoding: the whole command beside sigrok-cli on the same files, and beside unzipping them alone.
+"""`make bench`, decoding: the whole command compared with sigrok-cli, and with unzipping alone, on the same files.
 
-Each command is a fresh process with its output to nowhere; commands take turns, so that all meet the same other
-work on the machine; medians are shown. cpu far below wall means that others had the processor, or the disk did.
+Each command is a new process whose output is discarded. The commands take turns, so that other work on the machine
+affects all of them, and medians are shown. A CPU time far below the wall time means waiting for processor or disk.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Row = dict[str, Any]
 
 OURS = "periph-sim decode"
 
-# What each is asked for: the same protocol rows.
+# The options with which each program prints the same protocol rows.
 ROWS = {
     "dense": (["--i2c", "scl=SCL,sda=SDA"], ["-P", "i2c:scl=SCL:sda=SDA", "-A", "i2c=addr-data:warnings"]),
     "sparse": (["--i2c", "scl=SCL,sda=SDA"], ["-P", "i2c:scl=SCL:sda=SDA", "-A", "i2c=addr-data:warnings"]),
@@ -47,7 +47,7 @@ NUMPY = "import numpy"
 
 
 def commands(name: str, file: Path) -> Iterator[tuple[str, list[str]]]:
-    """(who, command line) for one file."""
+    """Yield name and command line of each program for one file."""
     ours, theirs = ROWS[name]
     yield OURS, [*_ours(), "decode", str(file), *ours]
     if found := shutil.which("sigrok-cli"):
@@ -59,13 +59,13 @@ def commands(name: str, file: Path) -> Iterator[tuple[str, list[str]]]:
 
 
 def _ours() -> list[str]:
-    """The command beside this interpreter, as users start it."""
+    """Return the command beside this interpreter, as users start it."""
     beside = Path(sys.executable).with_name("periph-sim")
     return [str(beside)] if beside.exists() else [sys.executable, "-m", "periph_sim"]
 
 
 def rows(repeat: int) -> Iterator[Row]:
-    """Each file and command."""
+    """Yield a row for each file and command."""
     with tempfile.TemporaryDirectory() as folder:
         for name, file in big_captures.write(Path(folder)).items():
             asked = list(commands(name, file))

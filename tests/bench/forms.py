@@ -1,6 +1,6 @@
-"""I2C bytes per second of CPU time of the cases that the core is measured by, in the form that is imported.
+"""I2C bytes per second of CPU time of the cases by which the core is measured, in the imported form.
 
-The speed is that behind the first 100 ms of the scene, which are its start (see `levels`), and told apart from it.
+The speed excludes the first 100 ms of the scene, which are its start (see `levels`) and are printed separately.
 
 python -m tests.bench.forms [--seconds 2] [--repeat 3] [NAME ...]
 """

@@ -1,10 +1,10 @@
-"""How a run's cost grows: with the slaves on the bus, and with the length of the run.
+"""Growth of the cost of a run with the number of slaves on the bus and with the length of the run.
 
-    N slaves on one bus, of which one is asked --> CPU seconds a simulated second, events a byte, memory
+    N slaves on one bus, one of them addressed --> CPU seconds per simulated second, events per byte, memory
     imu_hil for 1 s, 10 s, 60 s (long: 600 s, 3600 s) --> the same
 
-A wire has up to 62 parties, since who pulls it is a mask in a C integer; the controller is one of them. A scene with
-more is refused, and so are 100 slaves: their row says with which sentence.
+A wire has up to 62 parties, because the set of parties that pull it is a bit mask in a C integer; the controller is
+one of them. A scene with more, such as 100 slaves, is rejected, and its row has the error message.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ Row = dict[str, Any]
 SLAVES = (1, 3, 10, 30, 61, 100)
 LENGTHS = ("1", "10", "60")
 LONG = (*LENGTHS, "600", "3600")
-FIRST = 0x08  # of the addresses that are free for devices
+FIRST = 0x08  # the first address that is free for devices
 REGISTERS = [{"name": "DATA", "at": 0, "reset": 0x5A}]
 
 
 def with_slaves(number: int) -> Case:
-    """A controller and so many register devices, of which it asks the first."""
+    """Return a case with this number of register devices, the first of which is read by the controller."""
     devices = {f"d{n}": {"model": "registers", "address": FIRST + n, "register": REGISTERS} for n in range(number)}
     asks = {"period": "5 ms", "request": [{"address": FIRST, "pointer": 0, "count": 8}]}
     return Case.model_validate({"name": "growth", "unit": {}, "device": devices, "controller": asks, "duration": "1 s"})
@@ -59,7 +59,7 @@ def length(seconds: str) -> Row:
 
 
 def measured(case: Case, seconds: str) -> Row:
-    """One run, since it is a process's only one: its memory is this run's."""
+    """Return the figures of one run. The process makes no other run, so its memory is that of this run."""
     scene = Scene(case)
     result, time = timed(lambda: scene.run(Fraction(seconds)))
     return {

@@ -1,10 +1,10 @@
 """`make bench`, firmware in machine code, both forms: speed of a busy program, CPU time of programs that mostly wait.
 
-    busy            arithmetic, calls, RPT and FPU from RAM; stalls and wait states counted, nothing recorded
-    SCI echo        firmware/c28x/sci_echo.asm, 250 ms from reset, with characters back to back and with gaps between
-    imu_hil_image   the shipped case, a simulated second behind its start
+    busy            arithmetic, calls, RPT and FPU from RAM; with stalls and wait states, without records
+    SCI echo        firmware/c28x/sci_echo.asm, 250 ms from reset, with characters back to back and with gaps
+    imu_hil_image   the shipped case, CPU time per simulated second after its start
 
-Nothing is asserted on time; an echo that loses a character is an error.
+No time is asserted; an echo that loses a character is an error.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ Row = dict[str, Any]
 BACK_TO_BACK, WITH_GAPS = "SCI echo, back to back", "SCI echo, gaps of 300 us"
 GAPS = {BACK_TO_BACK: "0 s", WITH_GAPS: "300 us"}
 ECHO_FROM, ECHO_UNTIL = Fraction(6, 1000), Fraction(1, 4)  # the PLL locks in 4.4 ms
-BAUD = 114_329  # the firmware's own, 37.5 MHz / 8 / 41; at 115200 it would be overrun after a while
+BAUD = 114_329  # the firmware's rate, 37.5 MHz / 8 / 41; 115200 would overrun it after a while
 CHARACTER = Fraction(10, BAUD)
 IMU_HIL = "imu_hil_image"
-UNTIL = {True: "1.1", False: "0.3"}  # seconds of it; compiled, or not
-TICKS = {True: 2_400_000_000, False: 30_000_000}  # compiled, or not
+UNTIL = {True: "1.1", False: "0.3"}  # seconds of scene, by whether the form is compiled
+TICKS = {True: 2_400_000_000, False: 30_000_000}  # by whether the form is compiled
 BUSY = """
  .sect ".text", 0x9000
  .global _c_int00
@@ -82,43 +82,43 @@ _f: ADDB SP,#2
 
 
 def busy(ticks: int) -> dict[str, float]:
-    """Instructions, and the CPU seconds that they took."""
+    """Return the number of executed instructions and their CPU seconds."""
     kernel = Kernel()
     dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", (), {}, from_boot=True))
     dsp.start_image(assemble(BUSY))
     program = dsp.program
     assert isinstance(program, ImageProgram)
-    kernel.run_until(ticks // 100)  # all of it is decoded
+    kernel.run_until(ticks // 100)  # the whole program is decoded by then
     before, began = program.instructions, process_time()
     kernel.run_until(ticks)
     return {"instructions": program.instructions - before, "seconds": process_time() - began}
 
 
 def busy_speed(ticks: int) -> float:
-    """Instructions per CPU second."""
+    """Return the instructions per CPU second."""
     run = busy(ticks)
     return run["instructions"] / run["seconds"]
 
 
 def echo(gap: str, until: str = str(ECHO_UNTIL)) -> float:
-    """CPU seconds of a run from reset until then, in which characters arrive all the time and come back."""
+    """Return the CPU seconds of a run from reset to `until`, in which characters arrive all the time and are echoed."""
     pause = Fraction(gap.split()[0]) / 1_000_000
-    count = int((Fraction(until) - ECHO_FROM) / (CHARACTER + pause)) - 2  # the last ones come back before the end
+    count = int((Fraction(until) - ECHO_FROM) / (CHARACTER + pause)) - 2  # the last ones are echoed before the end
     sent = bytes(number & 0xFF for number in range(count))
     send = {"name": "text", "to": "dsp.SCI-A", "bytes": sent.hex(" "), "at": "6 ms", "gap": gap, "baud": BAUD}
     unit = {"image": str(SHIPPED / "sci_echo.asm"), "modules": ["SCI-A", "GPIO"]}
     tables = {"name": "echo", "duration": f"{until} s", "unit": {"dsp": unit}, "serial": {"send": [send]}}
-    told: list[Record] = []
-    scene = Scene(Case.model_validate(tables), lambda recorder, _: recorder.subscribe([Kind.FRAME], told.append))
+    text: list[Record] = []
+    scene = Scene(Case.model_validate(tables), lambda recorder, _: recorder.subscribe([Kind.FRAME], text.append))
     _, time = timed(lambda: scene.run(Fraction(until)))
-    came = bytes(one.value & 0xFF for one in told if (one.where, one.what) == ("TX", "end"))
-    if came != sent:
-        raise RuntimeError(f"{count} characters were sent with gaps of {gap}; {len(came)} came back, or others")
+    result = bytes(one.value & 0xFF for one in text if (one.where, one.what) == ("TX", "end"))
+    if result != sent:
+        raise RuntimeError(f"{count} characters were sent with gaps of {gap}; {len(result)} came back, or others")
     return time.cpu
 
 
 def imu_hil(until: str) -> float:
-    """CPU seconds per simulated second of imu_hil_image, behind its start."""
+    """Return the CPU seconds per simulated second of imu_hil_image after its start."""
     scene = Scene(load(TIMING / f"{IMU_HIL}.toml"))
     scene.advance(scene.start + scene.timebase.ticks(START, "nearest"))
     _, time = timed(lambda: scene.run(Fraction(until)))

@@ -1,11 +1,11 @@
 """Every shipped case in both forms, with and without skipped bits: I2C bytes per second of CPU time, events, memory.
 
-    case, form --> a process of its own: load, build, run in each way in turn, again and again --> rows of medians
+    case, form --> a process of its own: load, build, run at each level in turn, repeatedly --> rows of medians
 
-The ways take turns, so that a busy machine slows all alike. The first run of each way is short and not counted: it
-imports what the way needs. Of each other run the first 100 ms of the scene count as its start, apart from the speed
-behind it: firmware sets up its modules there, models are sampled, and each wait, byte and record comes for the first
-time. Runs of a case must carry the same bytes, so that a run that is stuck cannot count as fast.
+The levels take turns, so that other work on the machine slows all of them. The first run at each level is short and
+is not counted, because it imports modules. The first 100 ms of each other run count as its start, apart from the speed
+after it: in this time firmware sets up its modules, models are sampled, and each wait, byte and record occurs for the
+first time. All runs of a case must carry the same bytes, so that a stuck run cannot count as fast.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ from .timed import peak_mib, timed
 
 Row = dict[str, Any]
 
-EXACT, PLAIN = "exact", "edge by edge"  # each poll of a wait would take minutes, so those are skipped in both
+EXACT, PLAIN = "exact", "edge by edge"  # without skipped polls a run would take minutes, so both skip them
 LEVELS: dict[str, tuple[str, ...]] = {EXACT: (), PLAIN: ("disable=bits",)}
 BYTES = tuple(f"unit.dsp.settings.{key}" for key in ("arithmetic=bytes", "model_cost=250 us", "beyond_estimate=0 us"))
-VARIANTS: dict[str, tuple[str, tuple[str, ...]]] = {  # shipped cases, changed
+VARIANTS: dict[str, tuple[str, tuple[str, ...]]] = {  # shipped cases with changes
     "imu_hil, arithmetic = bytes": ("imu_hil", BYTES),
     "imu_hil, arithmetic = bytes, no budgets": ("imu_hil", (*BYTES, "budget=[]")),
     "responder, waits declared": ("responder", ("unit.dsp.firmware=responder_declared",)),
 }
-SECONDS = {form.COMPILED: "4", form.INTERPRETED: "0.25"}  # of scene: figures are per byte and per second of it
-POLLED = ("imu_hil_c",)  # C sources: each poll of a wait is made, so a simulated second costs a minute
+SECONDS = {form.COMPILED: "4", form.INTERPRETED: "0.25"}  # of scene; figures are per byte and per second of scene
+POLLED = ("imu_hil_c",)  # C sources: every poll is executed, so a simulated second takes a minute
 WARM = Fraction(1, 50)
 START = Fraction(1, 10)
 
 
 class Run(NamedTuple):
-    """CPU seconds of set-up, of the start, and of the time behind that; what came in this time."""
+    """CPU seconds of set-up, of the start, and of the time after it, and the counts of that time."""
 
     build: float
     start: float
@@ -53,7 +53,7 @@ class Run(NamedTuple):
 
 
 def cases() -> dict[str, tuple[str, tuple[str, ...]]]:
-    """By what they are called: file, changes."""
+    """Return file and changes of each case by its name."""
     names = sorted(path.stem for path in TIMING.glob("*.toml") if path.stem not in POLLED)
     return {name: (name, ()) for name in names} | VARIANTS
 
@@ -65,7 +65,7 @@ def rows(forms: Sequence[str], repeat: int) -> Iterator[Row]:
 
 
 def measured(name: str, file: str, changes: Sequence[str], seconds: str, repeat: int) -> list[Row]:
-    """Return the rows of a case, run in this process. AssertionError if its runs did not carry the same bytes."""
+    """Return the rows of a case, run in this process. Raise AssertionError if its runs did not carry the same bytes."""
     found: list[Row] = []
     path = TIMING / f"{file}.toml"
     runs: dict[str, list[Run]] = {}
@@ -100,7 +100,7 @@ def measured(name: str, file: str, changes: Sequence[str], seconds: str, repeat:
 
 
 def run(path: Path, changes: Sequence[str], seconds: Fraction) -> Run:
-    """Run `seconds` of a case, and return the figures behind its start."""
+    """Run `seconds` of a case, and return the figures after its start."""
     began = process_time()
     scene = Scene(load(path, list(changes)))
     build = process_time() - began
@@ -129,7 +129,7 @@ def line(row: Row) -> str:
 
 
 def plot(found: Sequence[Row], path: Path) -> None:
-    """Bars of bytes per second, logarithmic: a group a case, a bar a form and level."""
+    """Draw bars of bytes per second on a logarithmic axis: a group per case, a bar per form and level."""
     import matplotlib
 
     matplotlib.use("svg")

@@ -1,4 +1,4 @@
-"""Where and when the bench ran: processor, cores, Python, versions, forms."""
+"""Date and machine of a bench: processor, cores, Python, versions, forms."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def machine(forms: Sequence[str]) -> dict[str, Any]:
         "forms": sorted(forms, key=[COMPILED, INTERPRETED].index),
         "processor": processor(),
         "cores": os.cpu_count(),
-        "load": round(os.getloadavg()[0], 2),  # of the minute before: others ran, too, where it is far above 0
+        "load": round(os.getloadavg()[0], 2),  # of the last minute; far above 0, other work ran, too
         "system": f"{platform.system()} {platform.machine()}",
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "with": {name: found for name in COMPARED if (found := _version(name))},
@@ -31,7 +31,7 @@ def machine(forms: Sequence[str]) -> dict[str, Any]:
 
 
 def processor() -> str:
-    """As the system calls it, without what all have in common."""
+    """Return the name of the processor as the system reports it, without the common prefix."""
     file = Path("/proc/cpuinfo")
     lines = file.read_text("utf-8").splitlines() if file.exists() else []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]

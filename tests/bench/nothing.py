@@ -1,8 +1,8 @@
-"""What a scene does not name, and what naming it would cost: imports, objects and events, memory; zero of each without.
+"""Cost of things that a scene does not name, compared with naming them: imports, objects, events and memory.
 
-    scenes of tests/scene/absent.py, form --> a process a scene --> a row for each thing that can be absent
+    scenes of tests/scene/absent.py, form --> a process per scene --> a row for each thing that can be absent
 
-Counts without it are held to zero by tests/scene/test_absent.py; here they stand beside what they would be with it.
+tests/scene/test_absent.py requires zero imports and objects of absent things. Here, the cost of presence is shown.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def rows(forms: Sequence[str]) -> Iterator[Row]:
 
 
 def counted(what: str = "") -> Row:
-    """The scene that has it, in this process; without a name, the slave of `BARE`, with nothing besides."""
+    """Run the scene with this thing in this process. Without a name, run the slave of `BARE` with nothing else."""
     tables, record = (absent.ROWS[what].named, absent.ROWS[what].record) if what else (absent.BARE["slave"], "")
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         Path("mine.py").write_text(absent.DEVICE, "utf-8")

@@ -1,7 +1,7 @@
-"""`make bench`, sensor models: samples a second in each arithmetic. Nothing is asserted.
+"""`make bench`, sensor models: samples per second in each arithmetic. Nothing is asserted.
 
-A sample is one time step of all nine axes; three axes of one chip are a triplet, so a sample is three of those. One
-core; the best of many short runs, since others share the machine.
+A sample is one time step of all nine axes. Three axes of one chip are a triplet, so a sample has three triplets. One
+core is used, and the best of many short runs is taken, because the machine may be shared.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ RUNS = 20
 
 
 def best(work: Callable[[], object]) -> Seconds:
-    """The least of each clock."""
+    """Return the smallest time of each clock."""
     times = [timed(work)[1] for _ in range(RUNS)]
     return Seconds(min(time.wall for time in times), min(time.cpu for time in times))
 
 
 def frames_of(samples: int) -> list[bytes]:
-    """A motion to 2000 deg/s and 2 g, as a host sends it."""
+    """Return a motion of up to 2000 deg/s and 2 g as a host sends it."""
     times = np.arange(samples) * ImuParameters().period
     angles = [swing * np.sin(2000 / 57.3 / swing * times + lag) for lag, swing in ((0, 3.0), (1, 1.5), (2, 3.0))]
     accelerations = [2 * np.sin(rate * times) for rate in (1.1, 0.7, 1.9)]

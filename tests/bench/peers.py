@@ -1,9 +1,9 @@
-"""What others need for like work, on this machine, in this hour: a heap, SimPy, cocotb with Icarus Verilog.
+"""Speed of other tools at similar work, on this machine and at the same time: heapq, SimPy, cocotb with Icarus Verilog.
 
-    events that do nothing: heapq, our kernel in both forms, SimPy --> events a second of CPU time
-    bytes on an I2C bus:    cocotb + Icarus Verilog + cocotbext-i2c --> bytes a second of CPU time, and what it lacks
+    events without an action: heapq, our kernel in both forms, SimPy --> events a second of CPU time
+    bytes on an I2C bus:    cocotb + Icarus Verilog + cocotbext-i2c --> bytes a second of CPU time, and missing features
 
-Who is not installed has a row with the reason, and nothing else fails.
+A tool that is not installed has a row with the reason, and the others are measured.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from .timed import Seconds, median_of, middle
 Row = dict[str, Any]
 
 REPEATS = 5
-PENDING = 8  # promises that wait at a time; the sensor-head scene has about as many
+PENDING = 8  # pending events at a time, about as many as in the sensor-head scene
 GET_THEM = "pip install -e '.[bench]'"
 
-# Open drain: whoever writes 0 pulls, whoever writes 1 lets go; tri1 is the pull-up.
+# Open drain: a party that writes 0 pulls, one that writes 1 releases; tri1 is the pull-up.
 BUS = """\
 `timescale 1ns / 1ns
 module bus;
@@ -45,13 +45,13 @@ endmodule
 """
 
 
-# Writes go straight to the simulator instead of waiting for its read-write phase: a third faster, same bytes.
+# Writes take effect at once instead of in the simulator's read-write phase: a third faster, same bytes.
 FASTEST = {"COCOTB_TRUST_INERTIAL_WRITES": "1"}
 
 
 @dataclass(frozen=True)
 class Rate:
-    """count things (events, bytes) in a median time."""
+    """A number of things (events, bytes) and the median time that they took."""
 
     count: int
     time: Seconds
@@ -86,12 +86,12 @@ def line(row: Row) -> str:
     head = f"{row['what']:64}"
     if "skipped" in row:
         return f"{head} skipped: {row['skipped']}"
-    told = f"{head} {row['per_s']:12,.0f} {row['counted']}/s"
-    return f"{told}\n  not modelled there: {row['lacks']}" if "lacks" in row else told
+    shown = f"{head} {row['per_s']:12,.0f} {row['counted']}/s"
+    return f"{shown}\n  not modelled there: {row['lacks']}" if "lacks" in row else shown
 
 
 class Waiter(Agent):
-    """Does nothing but ask for the next event."""
+    """An agent that only schedules its next event."""
 
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
@@ -101,7 +101,7 @@ class Waiter(Agent):
 
 
 def own_kernel(count: int = 200_000) -> Row:
-    """Events of our kernel that do nothing, by agents written in Python, in the form that this process has."""
+    """Return the speed of events without an action, by agents written in Python, in the form of this process."""
 
     def run() -> None:
         kernel = Kernel()
@@ -115,7 +115,7 @@ def own_kernel(count: int = 200_000) -> Row:
 
 
 def heap(count: int = 1_000_000) -> Rate:
-    """heapq alone, pushing and popping what a kernel would, with nothing done between: the floor of any event loop."""
+    """Measure heapq alone, with the pushes and pops of a kernel: the lower bound of the cost of any event loop."""
 
     def run() -> None:
         queue = [(time, time, None) for time in range(PENDING)]
@@ -127,7 +127,7 @@ def heap(count: int = 1_000_000) -> Rate:
 
 
 def simpy_timeouts(count: int = 200_000) -> Rate | str:
-    """SimPy processes that do nothing but wait for a timeout again and again."""
+    """Measure SimPy processes that only wait for timeouts."""
     if importlib.util.find_spec("simpy") is None:
         return f"simpy is not installed; {GET_THEM}"
     import simpy
@@ -146,7 +146,7 @@ def simpy_timeouts(count: int = 200_000) -> Rate | str:
 
 
 def cocotb_i2c(rounds: int = 30) -> Rate | str:
-    """cocotbext-i2c's master and memory on a Verilog bus: bytes on the wire in the time of the simulation alone."""
+    """Measure cocotbext-i2c's master and memory on a Verilog bus: bytes on the wire per second of simulation."""
     absent = [name for name in ("cocotb", "cocotbext.i2c") if not installed(name)]
     absent += [program for program in ("iverilog", "vvp") if shutil.which(program) is None]
     if absent:
@@ -173,7 +173,7 @@ def cocotb_i2c(rounds: int = 30) -> Rate | str:
                     log_file=log,
                 )
                 found.append(json.loads(answer.read_text()))
-        except (Exception, SystemExit) as error:  # the runner leaves by SystemExit when a tool fails
+        except (Exception, SystemExit) as error:  # the runner raises SystemExit if a tool fails
             last = log.read_text().splitlines()[-3:] if log.exists() else []
             return f"did not run ({type(error).__name__}: {error}) {' '.join(last)}".strip()
     return Rate(found[0]["wire_bytes"], middle([Seconds(run["wall"], run["cpu"]) for run in found]))
@@ -182,5 +182,5 @@ def cocotb_i2c(rounds: int = 30) -> Rate | str:
 def installed(module: str) -> bool:
     try:
         return importlib.util.find_spec(module) is not None
-    except ModuleNotFoundError:  # the package around it is absent
+    except ModuleNotFoundError:  # its package is absent
         return False

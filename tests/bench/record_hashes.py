@@ -1,4 +1,4 @@
-"""What every shipped case records, as one line a case: equal lines mean equal records, events and assumptions.
+"""Hashes of the records of every shipped case, one line per case. Equal lines mean equal records, events, assumptions.
 
 python -m tests.bench.record_hashes [--seconds 2] [CASE ...]
 
@@ -26,7 +26,7 @@ TIMING = Path(__file__).parents[2] / "timing"
 
 
 def line_of(name: str, seconds: str) -> str:
-    """One case, run and recorded."""
+    """Run and record one case."""
     return recorded(name, load(TIMING / f"{name}.toml"), seconds)
 
 
@@ -36,13 +36,13 @@ def recorded(name: str, case: Case, seconds: str) -> str:
         path = Path(folder) / "run.jsonl"
         with recording(path, case.recorded_modules) as (subscribe, ended_at):
             scene = Scene(case, subscribe)
-            polled = any(unit.sources for unit in case.unit.values())  # which takes a minute for a simulated second
+            polled = any(unit.sources for unit in case.unit.values())  # C sources take a minute for a simulated second
             result = scene.run(min(Fraction(seconds), Fraction(case.duration)) if polled else Fraction(seconds))
             ended_at(scene.kernel.now, {})
         records = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     shown = {key: value for key, value in asdict(result).items() if key not in ("wall_s", "form")}
-    told = hashlib.sha256(json.dumps(shown, sort_keys=True, default=str).encode()).hexdigest()[:16]
-    return f"{name} {records} {result.events} {told}"
+    figures = hashlib.sha256(json.dumps(shown, sort_keys=True, default=str).encode()).hexdigest()[:16]
+    return f"{name} {records} {result.events} {figures}"
 
 
 def main() -> None:

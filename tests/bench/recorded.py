@@ -1,6 +1,6 @@
-"""What recording costs: a run that nobody records beside one whose flags are kept, and one for each kind of file.
+"""Cost of recording: a run without recording, a run whose flags are kept, and a run for each kind of recording file.
 
-imu_hil, form --> a process of its own: build, run, close the file; all ways in turn --> medians, times as long
+imu_hil, form --> a process of its own: build, run, close the file; all in turn --> medians, ratios
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def rows(forms: Sequence[str], repeat: int) -> Iterator[Row]:
 
 
 def measured(name: str, seconds: str, repeat: int) -> list[Row]:
-    """In this process, in the form that it has."""
+    """Measure a case in this process, in its form of the core."""
     with tempfile.TemporaryDirectory() as folder:
         runs: dict[str, list[tuple[float, int]]] = {way: [] for way in WAYS}
         for way in WAYS:
@@ -61,17 +61,17 @@ def measured(name: str, seconds: str, repeat: int) -> list[Row]:
 
 
 def run(name: str, way: str, seconds: Fraction, folder: Path) -> tuple[float, int]:
-    """CPU seconds of the run and of closing its file, and the bytes of that."""
+    """Return the CPU seconds of the run and of closing its file, and the size of the file."""
     case = load(TIMING / f"{name}.toml")
     path = folder / f"run{way}" if way.startswith(".") else None
     with recording(path, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, _keep_flags if way == FLAGS else subscribe)
 
-        def all_of_it() -> None:
+        def run_and_close() -> None:
             scene.run(seconds)
             ended_at(scene.kernel.now, {})
 
-        time = timed(all_of_it)[1]
+        time = timed(run_and_close)[1]
     return time.cpu, 0 if path is None else path.stat().st_size
 
 

@@ -1,7 +1,7 @@
-"""The table of speeds of docs/fidelity.md, from the JSON of a bench. docs/bench.json keeps the figures.
+"""The table of speeds in docs/fidelity.md, made from the JSON file of a bench. docs/bench.json keeps the figures.
 
-    python -m tests.bench.speed_table build/bench/bench.json    keeps the figures of that bench, and writes the table
-    python -m tests.bench.speed_table                           writes the table of those that are kept
+    python -m tests.bench.speed_table build/bench/bench.json    keep the figures of that bench, and write the table
+    python -m tests.bench.speed_table                           write the table of the kept figures
 
 build/bench/bench.json --figures--> docs/bench.json --table--> docs/fidelity.md, between its marks
 """
@@ -28,7 +28,7 @@ PAGE, KEPT = ROOT / "docs" / "fidelity.md", ROOT / "docs" / "bench.json"
 MARKS = re.compile(r"(?<=<!-- speed: python -m tests\.bench\.speed_table -->\n).*?(?=<!-- end of speed -->)", re.DOTALL)
 RUN = next(what for what in COMMANDS if "imu_hil" in what)
 
-# The name in the table, how the figure is read from a bench, and how it is shown.
+# The name in the table, the function that reads its figure from a bench, and the format.
 ROWS: tuple[tuple[str, Read, str], ...] = (
     ("`imu_hil` with all its budgets", speed("imu_hil"), "rate"),
     ('`imu_hil`, `arithmetic = "bytes"`, no budgets', speed(BYTES), "rate"),
@@ -43,20 +43,20 @@ ROWS: tuple[tuple[str, Read, str], ...] = (
 )
 
 
-def figures(told: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is kept of a bench: its machine, the figures of the table, and those of the bus of others."""
-    parts = told["parts"]
+def figures(text: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the kept part of a bench: machine, figures of the table, and those of another simulator."""
+    parts = text["parts"]
     rows = [
         {"what": what, "shown": shown} | {form: rounded(read(parts, form)) for form in (COMPILED, INTERPRETED)}
         for what, read, shown in ROWS
     ]
     others = next((row for row in parts.get("peers", ()) if row["what"] == BUS_OF_OTHERS), {})
     kept = {"what": BUS_OF_OTHERS, "per_s": rounded(others.get("per_s")), "lacks": others.get("lacks", "")}
-    return {"machine": told["machine"], "rows": rows, "others": kept}
+    return {"machine": text["machine"], "rows": rows, "others": kept}
 
 
 def rounded(figure: float | None) -> float | None:
-    """To three digits: the fourth is another one in the next hour."""
+    """Round to three digits, because the fourth changes from hour to hour."""
     return None if figure is None else float(f"{figure:.3g}")
 
 
@@ -69,14 +69,14 @@ def table(kept: Mapping[str, Any]) -> str:
         for row in kept["rows"]
     ]
     busy = f", beside other work (load {machine['load']:.0f})" if machine["load"] >= 1 else ""
-    told = (
+    text = (
         f"{machine['date']}, one core of {machine['processor']}, {machine['python']}{busy}: "
         "I2C bytes per second of CPU time, medians. `make bench` measures these, all cases, and growth."
     )
     if kept["others"]["per_s"] is not None:
         rate, of = f"{kept['others']['per_s']:,.0f}", kept["others"]["lacks"].partition(";")[0]
-        told += f" Beside it cocotb 2 with Icarus Verilog and cocotbext-i2c: {rate} bytes/s of {of}."
-    lines += ["", fill(told, 120, break_on_hyphens=False)]
+        text += f" Beside it cocotb 2 with Icarus Verilog and cocotbext-i2c: {rate} bytes/s of {of}."
+    lines += ["", fill(text, 120, break_on_hyphens=False)]
     return "\n".join([*lines, "", ""])
 
 
@@ -89,7 +89,7 @@ def cell_of(figure: float | None, shown: str) -> str:
 
 
 def with_table(page: str, kept: Mapping[str, Any]) -> str:
-    """Return the page with this table between its marks. ValueError if it has no marks, or several."""
+    """Return the page with this table between its marks. Raise ValueError if it has no marks or several."""
     if len(MARKS.findall(page)) != 1:
         raise ValueError("docs/fidelity.md has no marks of the speed table, or several")
     return MARKS.sub(lambda found: table(kept), page)
@@ -97,8 +97,8 @@ def with_table(page: str, kept: Mapping[str, Any]) -> str:
 
 def main(arguments: Sequence[str]) -> None:
     if arguments:
-        told = json.loads(Path(arguments[0]).read_text("utf-8"))
-        KEPT.write_text(json.dumps(figures(told), indent=1) + "\n", "utf-8")
+        text = json.loads(Path(arguments[0]).read_text("utf-8"))
+        KEPT.write_text(json.dumps(figures(text), indent=1) + "\n", "utf-8")
     PAGE.write_text(with_table(PAGE.read_text("utf-8"), json.loads(KEPT.read_text("utf-8"))), "utf-8")
 
 

@@ -1,7 +1,7 @@
-"""What a short run costs: commands from the shell to their end, and 10 ms of imu_hil from Python, set-up included.
+"""Cost of short runs: commands from the shell to their end, and 10 ms of imu_hil from Python with set-up.
 
-periph-sim ... --> a process of its own, imports included --> median CPU and wall seconds
-Scene(load(imu_hil)).run(10 ms), again and again in one process --> the same, of each but the first
+periph-sim ... --> a separate process, with imports --> median CPU and wall seconds
+Scene(load(imu_hil)).run(10 ms), repeated in one process --> the same, except of the first
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ TIMES = 30
 def rows(forms: Sequence[str], repeat: int) -> Iterator[Row]:
     for what, words in COMMANDS.items():
         runs: dict[str, list[Seconds]] = {which: [] for which in forms}
-        command(words, forms[0])  # the first one of all reads its files from the disk
+        command(words, forms[0])  # the very first command reads its files from the disk
         for _ in range(repeat):
             for which in forms:
                 runs[which].append(command(words, which))
@@ -47,7 +47,7 @@ def command(words: Sequence[str], which: str) -> Seconds:
 
 
 def short() -> Row:
-    """In this process, in the form that it has."""
+    """Measure runs in this process, in its form of the core."""
     times = [timed(build_and_run)[1] for _ in range(TIMES + 1)]
     return row(SHORT, form.running, middle(times[1:])) | {"first_cpu_s": times[0].cpu}
 

@@ -1,4 +1,4 @@
-"""The speeds that are to be reached, beside those of a bench: rows of all parts go in, a row a target comes out."""
+"""Target speeds compared with the rows of a bench: one row for each target."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BYTES, DECLARED = "imu_hil, arithmetic = bytes, no budgets", "responder, waits d
 
 
 def cell(parts: Parts, part: str, key: str, **wanted: str) -> float | None:
-    """The figure of the one row that has these values; None where it was not measured."""
+    """Return the figure of the only row with these values, or None if it was not measured."""
     for row in parts.get(part, ()):
         if all(row.get(name) == value for name, value in wanted.items()):
             found = row.get(key)
@@ -40,8 +40,8 @@ def recorded(way: str) -> Read:
     return figure("recorded", "times_as_long", case="imu_hil", recorded=way)
 
 
-# What it is, how it is read, its unit; compiled, interpreted: at least, or at most where the unit is a time or a factor
-# of it ("x as long"), None where there is no target.
+# Name, function that reads the figure, unit; targets of the compiled and the interpreted form, None without a target. A
+# target is a minimum, or a maximum if the unit is a time or a factor of it ("x as long").
 TARGETS: tuple[tuple[str, Read, str, float | None, float | None], ...] = (
     (BYTES, speed(BYTES), "bytes/s", 130_000, 7_000),
     ("imu_hil as it ships", speed("imu_hil"), "bytes/s", 75_000, 3_750),

@@ -1,4 +1,4 @@
-"""Parts of the bench give rows of what they name. How long anything takes is nobody's test."""
+"""The parts of the bench give rows of the right contents. No times are tested."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.bench.__main__ import kept
 from tests.bench.child import in_form
 
 
-def test_every_shipped_case_and_the_one_without_arithmetic_is_measured() -> None:
+def test_every_shipped_case_and_variant_is_measured() -> None:
     assert {"imu_hil", "two_dsps", "imu_moving", *levels.VARIANTS} <= set(levels.cases())
     shipped = {path.stem for path in levels.TIMING.glob("*.toml")} - set(levels.POLLED)
     assert set(levels.cases()) == shipped | set(levels.VARIANTS)
@@ -26,20 +26,20 @@ def test_a_case_has_a_row_with_optimizations_and_one_without() -> None:
     assert 0 < 2 * exact < plain
 
 
-def test_a_run_that_carries_other_bytes_counts_as_stuck(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_that_carries_other_bytes_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(levels.LEVELS, levels.PLAIN, ("controller.period=3 ms",))
     with pytest.raises(AssertionError, match="responder: runs of the same case carried"):
         levels.measured("responder", "responder", [], "0.01", 1)
 
 
-def test_a_bus_takes_61_slaves_besides_the_controller_and_refuses_100_in_a_sentence() -> None:
+def test_a_bus_has_up_to_61_slaves_and_100_are_rejected() -> None:
     most, more = growth.slaves(61), growth.slaves(100)
     assert most["bytes_per_s"] > 0 and "refused" not in most
     assert more["refused"] == "wire SDA: d62 would be party 63; a wire has up to 62"
 
 
-def test_slaves_that_are_not_asked_have_no_byte_of_their_own() -> None:
-    """Each hears the address, and no more: events per byte grow by a fraction of an event a slave."""
+def test_slaves_that_are_not_addressed_cost_less_than_an_event_per_byte() -> None:
+    """Each slave only receives the address, so each adds a fraction of an event to the events per byte."""
     few, many = (growth.slaves(number)["events_per_byte"] for number in (1, 11))
     assert 0 <= (many - few) / 10 < 1
 
@@ -51,7 +51,7 @@ def test_an_echo_that_loses_characters_is_an_error(monkeypatch: pytest.MonkeyPat
         images.echo("0 s", "0.02")
 
 
-def test_what_is_absent_is_counted_beside_what_it_would_be(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_absent_things_are_counted_beside_present_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(nothing.absent, "ROWS", {"GPIO": nothing.absent.ROWS["GPIO"]})
     (row,) = nothing.rows([INTERPRETED])
     assert (row["imports"], row["objects"]) == (0, 0)
@@ -67,6 +67,6 @@ def test_parts_of_another_day_or_machine_are_not_kept(tmp_path: Path) -> None:
     assert kept(file, {**here, "date": "2026-01-03"}) == {}
 
 
-def test_the_busy_program_is_busy_and_goes_on_for_ever() -> None:
+def test_the_busy_program_executes_instructions_for_ever() -> None:
     few, more = images.busy(1_000_000)["instructions"], images.busy(2_000_000)["instructions"]
     assert few > 1000 and 1.8 < more / few < 2.2

@@ -1,4 +1,4 @@
-"""The table of speeds in docs/fidelity.md agrees with the figures that docs/bench.json keeps. Nothing is timed."""
+"""The table of speeds in docs/fidelity.md agrees with the figures in docs/bench.json. Nothing is timed."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ def bench(**parts: list[dict[str, object]]) -> dict[str, object]:
     return {"machine": MACHINE, "parts": parts}
 
 
-def test_the_page_shows_the_figures_that_are_kept() -> None:
+def test_the_page_shows_the_kept_figures() -> None:
     kept = json.loads(KEPT.read_text("utf-8"))
     text = PAGE.read_text("utf-8")
     assert with_table(text, kept) == text
     assert [row["what"] for row in kept["rows"]] == [what for what, _, _ in ROWS]
 
 
-def test_the_table_names_machine_date_and_form_and_leaves_out_nothing() -> None:
+def test_the_table_has_machine_date_form_and_every_row() -> None:
     row = {"case": "imu_hil", "level": EXACT, "form": "compiled", "bytes_per_s": 61234.5}
     shown = table(figures(bench(levels=[row])))
     assert "| compiled | interpreted |" in shown and "2026-01-02, one core of a processor, CPython 3.11: I2C" in shown
@@ -32,23 +32,23 @@ def test_the_table_names_machine_date_and_form_and_leaves_out_nothing() -> None:
     assert shown.count("| - | - |") == len(ROWS) - 1
 
 
-def test_figures_of_a_busy_machine_say_so() -> None:
+def test_figures_of_a_busy_machine_are_marked() -> None:
     kept = figures({**bench(), "machine": {**MACHINE, "load": 7.6}})
     assert "CPython 3.11, beside other work (load 8): " in " ".join(table(kept).split())
 
 
-def test_what_others_do_and_lack_is_told() -> None:
+def test_the_table_names_speed_and_missing_features_of_another_simulator() -> None:
     row = {"what": "cocotb + Icarus Verilog + cocotbext-i2c: a master asks a memory", "per_s": 1234.0, "lacks": "x; y"}
     assert "cocotbext-i2c: 1,230 bytes/s of x." in " ".join(table(figures(bench(peers=[row]))).split())
     assert "cocotb" not in table(figures(bench(peers=[{**row, "per_s": None}])))
 
 
-def test_a_page_without_its_marks_is_refused() -> None:
+def test_a_page_without_its_marks_is_an_error() -> None:
     with pytest.raises(ValueError, match="no marks"):
         with_table("# periph_sim\n", figures(bench()))
 
 
-def test_targets_are_rows_of_what_was_measured() -> None:
+def test_targets_have_rows_of_the_measured_figures() -> None:
     edge = {"case": "responder", "level": EXACT, "form": "compiled", "bytes_per_s": 120_000.0}
     psr = {"case": "imu_hil", "recorded": ".psr", "form": "interpreted", "times_as_long": 1.6}
     found = list(targets.rows({"levels": [edge], "recorded": [psr]}))

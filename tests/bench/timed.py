@@ -1,4 +1,4 @@
-"""One piece of work goes in; how long it took, by the clock on the wall and by the processor's, comes out."""
+"""Wall time and CPU time of a piece of work."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ STATUS = Path("/proc/self/status")
 
 @dataclass(frozen=True)
 class Seconds:
-    """wall: what a user waits. cpu: what this process used of it; far less than wall says that others ran, too."""
+    """wall: the time a user waits. cpu: the time this process used; far less than wall if other processes ran, too."""
 
     wall: float
     cpu: float
 
 
 def timed(work: Callable[[], T]) -> tuple[T, Seconds]:
-    """What `work` returned, and how long it took. Rubbish of earlier work is cleared away first."""
+    """Return the result of `work` and its duration. Garbage of earlier work is collected before."""
     gc.collect()
     wall, cpu = perf_counter(), process_time()
     result = work()
@@ -34,18 +34,18 @@ def timed(work: Callable[[], T]) -> tuple[T, Seconds]:
 
 
 def middle(times: list[Seconds]) -> Seconds:
-    """The median of each clock by itself."""
+    """Return the median of each clock separately."""
     return Seconds(median(t.wall for t in times), median(t.cpu for t in times))
 
 
 def median_of(count: int, work: Callable[[], T]) -> tuple[T, Seconds]:
-    """The last result and the median time of `count` runs of `work`."""
+    """Return the last result and the median time of `count` runs of `work`."""
     results, times = zip(*(timed(work) for _ in range(count)), strict=True)
     return results[-1], middle(list(times))
 
 
 def spent(command: Sequence[str], **how: Any) -> Seconds:
-    """Return the duration of one process, whose output is discarded. how: further arguments of `subprocess.run`."""
+    """Return the duration of one process, whose output is discarded. `how` is for `subprocess.run`."""
     before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter()
     subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True, **how)
     after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter() - wall
@@ -53,7 +53,7 @@ def spent(command: Sequence[str], **how: Any) -> Seconds:
 
 
 def peak_mib() -> float:
-    """The most memory that this process had: what getrusage says of it begins with what its parent had."""
+    """Return the peak memory of this process. The value of getrusage includes that of the parent before the fork."""
     lines = STATUS.read_text("ascii").splitlines() if STATUS.exists() else []
-    told = [line.split()[1] for line in lines if line.startswith("VmHWM")]
-    return int(told[0] if told else resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024
+    peak = [line.split()[1] for line in lines if line.startswith("VmHWM")]
+    return int(peak[0] if peak else resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024

@@ -52,5 +52,5 @@ def _code(names: str) -> str:
 
 
 def _cell(text: str) -> str:
-    """Return the text of an option as a cell: on one line, without the signs of a table, a tag or a link."""
+    """Return the text of an option as a cell: on one line, with the characters of tables, tags and links escaped."""
     return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;").replace("[", "\\[")

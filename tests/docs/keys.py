@@ -1,4 +1,4 @@
-"""The page docs/keys.md, written from the docstrings, annotations and defaults of the tables of case files.
+"""The page docs/keys.md, generated from docstrings, annotations and defaults of the tables of case files.
 
 tables of a case --descriptions, schema, defaults--> a section with a row for each key --> docs/keys.md
 """
@@ -114,7 +114,7 @@ def _sections() -> Iterator[str]:
 
 def _section(level: str, heading: str, table: type, described: Mapping[str, str]) -> str:
     keys = keys_of(table)
-    rows = [(said, described[said], default(keys[said])) for said in described]
+    rows = [(message, described[message], default(keys[message])) for message in described]
     about = descriptions(table)[0]
     return f"{level} {heading}\n\n{about}\n" + (f"\n{_table(rows)}" if rows else "")
 
@@ -135,7 +135,7 @@ def default(key: Key) -> str:
     if value is None or value in ("", b"", (), {}) or isinstance(value, Table):
         return ""
     if isinstance(value, Spread):
-        value = value.least  # a default is one length
+        value = value.least  # a default is a single value
     pattern = str(schema_of(key.annotation, {}))
     for part, units in SCALES.items():
         if part in pattern and isinstance(value, Fraction):

@@ -1,6 +1,6 @@
-"""The table of docs/any_order.md, how fast SCL may be: a page goes in, the page with what is measured now comes out.
+"""The table of docs/any_order.md on the highest rate of SCL, measured again: `refreshed_limits` rewrites a page.
 
-At each rate the case runs twice: with code costs as they are counted most often, and with the highest that were found.
+The case runs twice at each rate: with the most frequent code costs, and with the highest that were found.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TABLE = re.compile(rf"{re.escape(HEAD)}((?:\|.*\n)*)")
 
 
 def figures(rate: str, code: tuple[str, ...]) -> list[str]:
-    """Worst latency of an edge's routine, longest hold of SCL beyond the head's, least set-up of SDA, verdict."""
+    """Return worst latency of the edge routine, longest hold of SCL by the slave, least set-up of SDA, and verdict."""
     result = Scene(load(CASE, [f'controller.rate="{rate}"', *WITHOUT_PAUSES, *code])).run(SECONDS)
     found = {budget.name: budget.worst for budget in result.budgets}
     refused, wrong, stuck = (found[name] for name in ("nacked requests", "wrong bytes", "bus stuck"))
@@ -53,7 +53,7 @@ def row(rate: str) -> str:
 
 
 def refreshed_limits(page: str) -> str:
-    """The page with the figures that are measured now; of a page without such a table, the page."""
+    """Return the page with newly measured figures; a page without this table is unchanged."""
     if TABLE.search(page) is None:
         return page
     return TABLE.sub(lambda _: HEAD + "".join(map(row, RATES)), page)

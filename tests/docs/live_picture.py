@@ -1,9 +1,9 @@
-"""The picture of a live session's page on docs/live.md: a case is served, a host sends frames, a browser looks.
+"""The picture of a live session on docs/live.md: a case is served, a host sends frames, a browser takes the picture.
 
     periph-sim serve CASE --pty --browser 0     periph-sim host-unit PTY --flight FLIGHT     -> pictures/live.png
 
-What it shows was live, and is other figures each time. So the picture carries the digest of the page that was shown: it
-is out of date when that has changed.
+The figures in the picture differ each time, because the session is live. So the picture contains the digest of the
+page's source: it is out of date if that has changed.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ PAGE = ROOT / "docs" / "live.md"
 PICTURE = ROOT / "docs" / "pictures" / "live.png"
 SHOWN = ROOT / "periph_sim" / "outside" / "live" / "view" / "page.html"
 CASE = ROOT / "timing" / "imu_hil.toml"
-WATCHED = 8000  # milliseconds: the flight is at its steepest
+WATCHED = 8000  # milliseconds: the motion of the flight is fastest then
 WIDTH = 1200
 
 
@@ -31,7 +31,7 @@ def digest_now() -> str:
 
 
 def taken() -> bytes:
-    """The page as PNG while it is live."""
+    """Return the page as PNG while the session is live."""
     flight = dict(FILE.findall(PAGE.read_text(encoding="utf-8")))["flight.csv"]
     command = [sys.executable, "-m", "periph_sim"]
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""The commands shown on a page, run as a reader would run them: a Markdown page goes in, what it should show comes out.
+"""Run the commands shown on a Markdown page as a reader would, and compare or update their outputs.
 
     ```console                        <!-- file: blink.py -->
     $ periph-sim run blink.toml       ```python
@@ -6,13 +6,14 @@
     ```                               ```
 
 A console block is run line by line in a scratch folder that looks like the repository; a
-block under a file mark is first written there. In shown output `...` stands for anything
-within a line, a line that is only `...` for any lines.
+block under a file mark is written there before. In shown output, `...` matches anything
+within a line, and a line that is only `...` matches any number of lines.
 
-Commands that share no file of that folder do not know of each other: each `Run` of them is a test of its own, so that
-the cores share a page, and what several pages show is run once. A page that makes a project is one run.
+Commands that share no file of that folder are independent: each group of commands with shared files is a `Run`, which
+is a test of its own, so that a page is tested by several cores, and commands of several pages are run once. A page that
+creates a project is one run.
 
-    page --> commands --shared files--> runs;  equal runs of all pages --> one Run, each page's text beside it
+    page --> commands --shared files--> runs;  equal runs of all pages --> one Run with the text of each page
 """
 
 from __future__ import annotations
@@ -34,13 +35,13 @@ WIDTH = "80"
 
 CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^<!-- file: (\S+) -->\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NAME = re.compile(r"[\w/]*\w\.(?:asm|csv|fst|html|json|out|psr|py|sr|svg|toml|txt|vcd)\b")  # of a file
+NAME = re.compile(r"[\w/]*\w\.(?:asm|csv|fst|html|json|out|psr|py|sr|svg|toml|txt|vcd)\b")  # the name of a file
 
 
 class Run(NamedTuple):
-    """Commands that are run one after the other in one folder. files: (name, text) of those that are there.
+    """Commands that are run one after the other in one folder, with the (name, text) of its `files`.
 
-    shown: of each page that has them (its stem), the output under each command.
+    `shown` has, for the stem of each page with these commands, the output under each command.
     """
 
     commands: tuple[str, ...]
@@ -49,7 +50,7 @@ class Run(NamedTuple):
 
 
 def scratch(page: str, folder: Path) -> None:
-    """Make `folder` look like the repository, and write the page's own files into it."""
+    """Make `folder` look like the repository, and write the files of the page to it."""
     desk(folder, FILE.findall(page))
 
 
@@ -63,7 +64,7 @@ def desk(folder: Path, files: Iterable[tuple[str, str]]) -> None:
 
 
 def runs_of(pages: Iterable[Path]) -> list[Run]:
-    """All commands of the pages that are run."""
+    """Return the runs of all commands of the pages that are to be run."""
     found: dict[tuple[tuple[str, ...], tuple[tuple[str, str], ...]], Run] = {}
     for page in pages:
         text = page.read_text(encoding="utf-8")
@@ -82,7 +83,7 @@ def runs_of(pages: Iterable[Path]) -> list[Run]:
 
 
 def _named(command: str, files: dict[str, str]) -> set[str]:
-    """The files of the scratch folder that a command names, and those that these name in turn; without folders."""
+    """Return the names, without folders, of the scratch files that a command names, directly or through such a file."""
     texts = {Path(name).name: text for name, text in files.items()}
     names: set[str] = set()
     more = [command]
@@ -94,7 +95,7 @@ def _named(command: str, files: dict[str, str]) -> set[str]:
 
 
 def _sharing(names: list[set[str]]) -> list[list[int]]:
-    """Places of those that share a name, or a third that shares one with both."""
+    """Return groups of places whose sets share a name, directly or through another set."""
     groups: list[tuple[set[str], list[int]]] = []
     for place, own in enumerate(names):
         meeting = [group for group in groups if group[0] & own]
@@ -104,7 +105,7 @@ def _sharing(names: list[set[str]]) -> list[list[int]]:
 
 
 def commands(block: str) -> Iterator[tuple[str, str]]:
-    """The commands of a console block, each with the output shown under it."""
+    """Yield the commands of a console block, each with the output shown under it."""
     for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
         command, _, shown = part.partition("\n")
         yield command, shown
@@ -115,7 +116,7 @@ def runs(command: str) -> bool:
 
 
 def output(command: str, folder: Path) -> str:
-    """What a shell in `folder` prints for the command; lines without trailing blanks."""
+    """Return the output of the command in a shell in `folder`, without trailing blanks."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     path = f"{folder_of_commands(path, ROOT)}{os.pathsep}{path}"
     done = subprocess.run(
@@ -123,7 +124,7 @@ def output(command: str, folder: Path) -> str:
         cwd=folder,
         env={
             "PATH": path,
-            "PYTHONPATH": str(ROOT),  # the code beside these pages, whatever is installed
+            "PYTHONPATH": str(ROOT),  # the code of this repository, whatever is installed
             "COLUMNS": WIDTH,
             "TERM": "dumb",
             "LC_ALL": "C.UTF-8",
@@ -138,59 +139,59 @@ def output(command: str, folder: Path) -> str:
 
 
 def written(page: Path, command: str, name: str, folder: Path) -> str:
-    """The text of the file that a command of a page writes. ValueError with its output if it writes none."""
+    """Return the text of the file that a page's command writes. Raise ValueError with its output if it writes none."""
     scratch(page.read_text(encoding="utf-8"), folder)
-    told = output(command, folder)
+    printed = output(command, folder)
     if not (folder / name).is_file():
-        raise ValueError(f"{page.relative_to(ROOT)}: `{command}` wrote no {name}:\n{told}")
+        raise ValueError(f"{page.relative_to(ROOT)}: `{command}` wrote no {name}:\n{printed}")
     return (folder / name).read_text(encoding="utf-8")
 
 
-def matches(shown: str, came: str) -> bool:
-    """Whether the output fits what the page shows."""
+def matches(shown: str, result: str) -> bool:
+    """True if the output matches what the page shows."""
     pattern = ""
     for line in shown.splitlines():
         if line == "...":
             pattern += r"(?:.*\n)*"
         else:
             pattern += ".*".join(re.escape(part) for part in line.split("...")) + r"\n"
-    return re.fullmatch(pattern, came) is not None
+    return re.fullmatch(pattern, result) is not None
 
 
-def fitted(shown: str, came: str) -> str:
-    """What a page should show: as before if that fits, with new figures if no more has changed, else all that came."""
-    if matches(shown, came):
+def fitted(shown: str, result: str) -> str:
+    """Return the text for the page: `shown`, with new figures if only figures differ, or else the whole output."""
+    if matches(shown, result):
         return shown
     lines = shown.splitlines()
     pattern = ""
     for line in lines:
         parts = (f"({_figures_apart(part)})" for part in line.split("..."))
         pattern += r"(?:.*\n)*?" if line == "..." else ".*".join(parts) + r"\n"
-    found = re.fullmatch(pattern, came)
+    found = re.fullmatch(pattern, result)
     if found is None:
-        return came
+        return result
     parts = iter(found.groups())
-    told = (line if line == "..." else "...".join(next(parts) for _ in line.split("...")) for line in lines)
-    return "".join(f"{line}\n" for line in told)
+    printed = (line if line == "..." else "...".join(next(parts) for _ in line.split("...")) for line in lines)
+    return "".join(f"{line}\n" for line in printed)
 
 
 def _figures_apart(text: str) -> str:
-    """A pattern for the text with other figures, and columns of other widths."""
+    """Return a pattern for the text with other figures and other column widths."""
     loose = {"0": r"\d+", " ": " +", "─": "─+"}
     pieces = re.findall(r"\d+| +|─+|[^\d ─]+", text)
     return "".join(loose.get("0" if piece.isdecimal() else piece[0]) or re.escape(piece) for piece in pieces)
 
 
 def refreshed(page: str, folder: Path) -> str:
-    """The page with the outputs that its commands give; what it leaves out as `...` stays left out where it can."""
+    """Return the page with the new outputs of its commands; text left out as `...` stays left out if possible."""
     scratch(page, folder)
 
     def block(found: re.Match[str]) -> str:
         lines = ""
         for command, shown in commands(found[1]):
             if runs(command):
-                came = output(command, folder)
-                shown = fitted(shown, came)
+                result = output(command, folder)
+                shown = fitted(shown, result)
             lines += f"$ {command}\n{shown}"
         return f"```console\n{lines}```"
 

@@ -1,10 +1,10 @@
-"""Pictures of HTML reports on the pages: a page goes in, a Photograph each comes out.
+"""Pictures of HTML reports on the pages: each mark on a page describes one Photograph.
 
 <!-- photographed: COMMAND -> REPORT.html #BUDGET -->
 ![what it shows](pictures/NAME.png)
 
-What pixels a browser makes of a page depends on its version and fonts. So a picture carries the digest of the HTML,
-style and script that it shows: it is out of date when these are others, whatever its pixels are.
+The pixels of a page depend on the browser's version and fonts. So a picture contains the digest of the HTML, style
+and script that it shows: it is out of date if these have changed, whatever its pixels are.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 MARK = re.compile(r"^<!-- photographed: (.+) -> (\S+) #(\w+) -->\n!\[[^\]]*\]\((\S+)\)$", re.MULTILINE)
 PARTS = (r'<ul class="failures">.*?</ul>', r"<style>.*?</style>", r"<script>.*?</script>")
-APART = "header dl, header details, header > p { display: none !important }"  # commit, wall time: other ones each time
+APART = "header dl, header details, header > p { display: none !important }"  # commit, wall time: not constant
 KEY = b"Source digest"
 SIGNATURE_AND_HEAD = 8 + 25  # bytes of a PNG that come before all others
 WIDTH = 1400
 
 
 class Photograph(NamedTuple):
-    """page: that shows it. command: that writes `report`. budget: the id of its section. file: of the repository."""
+    """The page that shows a picture, the command that writes `report`, the id of the budget's section, and the file."""
 
     page: Path
     command: str
@@ -49,7 +49,7 @@ def photographs() -> Iterator[Photograph]:
 
 
 def digest(report: str, budget: str) -> str:
-    """Of all that a photograph of this budget shows."""
+    """Return the digest of everything that a photograph of this budget shows."""
     parts = (*PARTS, rf'<section class="budget" id="{budget}">.*?</section>')
     found = [re.search(part, report, re.DOTALL) for part in parts]
     assert all(found), f"the report lacks one of {parts}"
@@ -57,13 +57,13 @@ def digest(report: str, budget: str) -> str:
 
 
 def digest_in(png: bytes) -> str:
-    """What `with_digest` wrote; "" if it did not."""
+    """Return the digest that `with_digest` wrote, or ""."""
     found = re.search(re.escape(KEY) + rb"\0([0-9a-f]{64})", png)
     return found[1].decode() if found else ""
 
 
 def with_digest(png: bytes, value: str) -> bytes:
-    """The same picture with a tEXt chunk [PNG specification, 11.3.3.3]."""
+    """Return the picture with an additional tEXt chunk [PNG specification, 11.3.3.3]."""
     chunk = b"tEXt" + KEY + b"\0" + value.encode()
     framed = struct.pack(">I", len(chunk) - 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
     return png[:SIGNATURE_AND_HEAD] + framed + png[SIGNATURE_AND_HEAD:]
@@ -71,7 +71,7 @@ def with_digest(png: bytes, value: str) -> bytes:
 
 @contextmanager
 def opened(url: str, width: int) -> Iterator[Page]:
-    """A page in a browser of its own."""
+    """Open a page in a new browser."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
@@ -83,7 +83,7 @@ def opened(url: str, width: int) -> Iterator[Page]:
 
 
 def taken(report: Path, budget: str) -> bytes:
-    """The head of a report and one budget as PNG."""
+    """Return the head of a report and one budget as PNG."""
     with opened(report.as_uri(), WIDTH) as page:
         page.add_style_tag(content=APART)
         box = page.locator(f"#{budget}").bounding_box()

@@ -1,9 +1,9 @@
-"""The pictures of the pages, drawn as their marks say: a page goes in, a Picture each comes out.
+"""Pictures of the pages that commands draw: each mark on a page describes one Picture.
 
 <!-- drawn by: periph-sim worst CASE BUDGET --svg . -> BUDGET.svg -->
 ![what it shows](pictures/NAME.svg)
 
-A picture without a mark is drawn by a command that runs for minutes, and stands on the page beside that command.
+A picture without a mark is drawn by a command that runs for minutes, and the page shows that command.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ MARK = re.compile(r"^<!-- drawn by: (.+) -> (\S+) -->\n!\[[^\]]*\]\((\S+)\)$", r
 
 
 class Picture(NamedTuple):
-    """page: that shows it. command: that writes `drawn` into its folder. file: of the repository."""
+    """The page that shows a picture, the command that writes `drawn` to its folder, and the file of the repository."""
 
     page: Path
     command: str
@@ -34,5 +34,5 @@ def pictures() -> Iterator[Picture]:
 
 
 def draw(picture: Picture, folder: Path) -> str:
-    """The picture's text as the command draws it now. ValueError with its output if it draws nothing."""
+    """Return the text of the picture that the command draws now. Raise ValueError with its output if it draws none."""
     return written(picture.page, picture.command, picture.drawn, folder)

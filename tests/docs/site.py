@@ -1,4 +1,4 @@
-"""Hooks of mkdocs: README and CONTRIBUTING become pages of the site.
+"""Hooks of mkdocs that make README and CONTRIBUTING pages of the site.
 
 README.md       --> index.md         "docs/x.md" becomes "x.md"
 CONTRIBUTING.md --> contributing.md
@@ -31,7 +31,7 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
 
 
 def _moved(link: re.Match[str]) -> str:
-    """Return a link as the site needs it: to a page beside this one, or only its text if it leads to another file."""
+    """Return the link for the site: to a page beside this one, or only its text if it leads to another file."""
     text, path, rest = link[1], link[2].removeprefix("../").removeprefix("docs/"), link[3] or ""
     path = PAGES.get(path, path)
     return f"[{text}]({path}{rest})" if path in PAGES.values() or (ROOT / "docs" / path).is_file() else text

@@ -1,4 +1,4 @@
-"""CONTRIBUTING.md, the change log and the citation: what they name is there."""
+"""Paths and names in CONTRIBUTING.md exist; the citation and the workflow are complete."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from tests.docs.pages import ROOT
 
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 PATHS = sorted(set(re.findall(r"`([\w.]+/[\w./]*|[\w]+\.toml)`", TEXT)))
-NAMED = re.findall(r"`(\w+)`\s+(?:in|of)\s+`([\w./]+\.py)`", TEXT)  # a name of a file
+NAMED = re.findall(r"`(\w+)`\s+(?:in|of)\s+`([\w./]+\.py)`", TEXT)  # a name that is defined in a file
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_each_path_is_there(path: str) -> None:
+def test_each_path_exists(path: str) -> None:
     assert (ROOT / path).is_dir() if path.endswith("/") else (ROOT / path).is_file()
 
 
@@ -27,7 +27,7 @@ def test_each_name_is_defined_in_its_file(name: str, path: str) -> None:
 ROWS = re.findall(r"^\| (an?(?:other)? .*?) \| (.*?) \| (.*?) \| (.*?) \|$", TEXT, re.MULTILINE)
 
 
-def test_each_row_of_what_can_be_added_names_a_place_an_example_and_a_test() -> None:
+def test_each_kind_of_addition_names_a_place_an_example_and_a_test() -> None:
     assert len(ROWS) == 13
     for _, place, _, test in ROWS:
         assert re.search(r"`[\w./]+`", place) and re.fullmatch(r"`tests/[\w/]+/test_\w+\.py`", test)
@@ -49,7 +49,7 @@ def test_the_citation_names_the_dissertation() -> None:
         assert re.search(rf"^[ -]*{line}$", text, re.MULTILINE), line
 
 
-def test_the_workflow_runs_what_a_developer_runs() -> None:
+def test_the_workflow_runs_the_targets_of_the_makefile() -> None:
     text = (ROOT / ".github" / "workflows" / "test.yml").read_text(encoding="utf-8")
     targets = re.findall(r"run: make (\w+)", text)
     assert targets == ["test", "coverage", "wheel"]

@@ -1,4 +1,4 @@
-"""The page of the simulator: its bus, bench and test are run as they stand there, and its replay as it says."""
+"""The page on co-simulation: its bus, bench and test run as printed, and so does the replay."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "cosimulation.md"
 
 
 @pytest.mark.uncounted
-def test_what_the_page_shows_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_files_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if missing():
         pytest.skip(missing())
     pytest.importorskip("cocotbext.i2c")

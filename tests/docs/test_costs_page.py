@@ -1,4 +1,4 @@
-"""docs/costs.md: the table has the cycles measured."""
+"""The table of docs/costs.md has the measured cycles."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import re
 from tests.docs.pages import ROOT
 
 PAGE = (ROOT / "docs" / "costs.md").read_text(encoding="utf-8")
-CYCLE_NS = 10  # of the case `costs`
+CYCLE_NS = 10  # a cycle of the case `costs`
 
 
-def test_the_cycles_of_the_table_are_those_measured():
+def test_the_table_has_the_measured_cycles():
     measured = re.findall(
         r"^ (\S.*?) {2,}(\d\.\d{3}) us +1 us .* seen$", PAGE.split("sed -n 3,19p")[1].split("```")[0], re.M
     )

@@ -1,4 +1,4 @@
-"""The Python examples of pages, run as they stand, in a folder that looks like the repository."""
+"""The Python examples of pages run as printed, in a folder that looks like the repository."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.docs.pages import ROOT, scratch
 
 
 @pytest.mark.parametrize(("name", "least"), [("any_order", 4), ("outside", 13), ("python_api", 16)])
-def test_every_example_gives_what_the_page_shows(
+def test_every_example_prints_what_the_page_shows(
     name: str, least: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     page = ROOT / "docs" / f"{name}.md"
@@ -19,7 +19,7 @@ def test_every_example_gives_what_the_page_shows(
     scratch(text, tmp_path)
     monkeypatch.chdir(tmp_path)
     examples = doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
-    said: list[str] = []
-    results = doctest.DocTestRunner(verbose=False).run(examples, out=said.append)
-    assert not results.failed, "".join(said)
+    message: list[str] = []
+    results = doctest.DocTestRunner(verbose=False).run(examples, out=message.append)
+    assert not results.failed, "".join(message)
     assert results.attempted >= least

@@ -1,4 +1,4 @@
-"""docs/first_slave.md: both programs access the same registers in one order."""
+"""Both programs of docs/first_slave.md access the same registers in the same order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""docs/glossary.md: each word is in use, and none of the words that it replaces is."""
+"""Each word of docs/glossary.md is used on the pages, and none of the words that it replaces is."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ def word(text: str) -> re.Pattern[str]:
 
 
 @pytest.mark.parametrize("name", [name for name, _ in WORDS])
-def test_a_word_is_in_use(name: str):
+def test_a_word_of_the_glossary_is_used(name: str):
     for one in re.sub(r", of .*| \(.*", "", name).split(", "):
         assert any(word(one).search(text) for text in PROSE.values()), one
 
 
 @pytest.mark.parametrize(("name", "replaced"), [(name, replaced) for name, replaced in WORDS if replaced])
-def test_no_page_uses_a_word_that_it_replaces(name: str, replaced: str):
+def test_no_page_uses_a_replaced_word(name: str, replaced: str):
     used = {(one, page) for one in replaced.split(", ") for page, text in PROSE.items() if word(one).search(text)}
     assert used == set(), f"the word is {name}"
 
 
-def test_the_table_is_read_whole():
+def test_the_whole_table_is_read():
     assert len(WORDS) > 30

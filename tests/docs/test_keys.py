@@ -1,4 +1,4 @@
-"""docs/keys.md has every table, key, default and measure of a case, and docs/cases.md names every table."""
+"""docs/keys.md has every table, key, default and measure of a case, and docs/cases.md links to every table."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from tests.docs.pages import ROOT
 SECTIONS = TABLES | {name: settings for more in added().values() for name, settings in more.items()}
 
 
-def test_the_pages_are_those_of_the_sources():
+def test_the_pages_agree_with_the_sources():
     assert PAGE.read_text(encoding="utf-8") == page()
     assert commands.PAGE.read_text(encoding="utf-8") == commands.page()
 
 
 @pytest.mark.parametrize("heading", SECTIONS)
-def test_every_key_is_described_and_its_default_is_what_a_case_may_say(heading: str):
+def test_every_key_is_described_and_its_default_is_valid(heading: str):
     keys = keys_of(SECTIONS[heading])
     assert sorted(descriptions(SECTIONS[heading])[1]) == sorted(keys)
     for name, key in keys.items():
@@ -47,7 +47,7 @@ def test_every_key_is_described_and_its_default_is_what_a_case_may_say(heading: 
             assert not wrong, name
 
 
-def test_a_key_without_a_description_and_another_default_are_found():
+def test_descriptions_and_defaults_are_read_from_a_class():
     class Own(Table, frozen=True, kw_only=True):
         """A table.
 
@@ -67,7 +67,7 @@ def test_every_table_of_the_model_has_a_section():
     modules = {kind.__module__ for kind in SECTIONS.values()}
     bases = (Table, BusParty, FaultTrigger, Limited, SerialEntry)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
-    inner = {kind for kind in kinds if kind.__name__ == "Sets"}  # described with the key `sets`
+    inner = {kind for kind in kinds if kind.__name__ == "Sets"}  # is described with the key `sets`
     assert kinds - {*bases, Condition} - inner <= {*SECTIONS.values()}
 
 

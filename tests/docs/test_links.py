@@ -1,4 +1,4 @@
-"""Links from page to page: the file is there, and so is the heading."""
+"""Links between pages lead to existing files and headings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ALL = [*PAGES, ROOT / "CONTRIBUTING.md"]
 
 
 def anchors(page: Path) -> set[str]:
-    """The anchors of a page's headings, as GitHub makes them."""
+    """Return the anchors of a page's headings as GitHub forms them."""
     text = FENCED.sub("", page.read_text(encoding="utf-8"))
     headings = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
@@ -32,7 +32,7 @@ def test_each_link_leads_to_a_file_and_a_heading(page: Path):
     assert wrong == []
 
 
-def test_anchors_are_those_of_github(tmp_path: Path):
+def test_anchors_are_formed_as_on_github(tmp_path: Path):
     page = tmp_path / "page.md"
     page.write_text('# `[unit.NAME.code]`\n```\n# no heading\n```\n## Why "199 of 300"?\n', encoding="utf-8")
     assert anchors(page) == {"unitnamecode", "why-199-of-300"}

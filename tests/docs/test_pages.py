@@ -1,4 +1,4 @@
-"""Every command that README and docs show gives the output that they show."""
+"""Every command in README and docs prints the output that is shown."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from tests.docs.pages import (
 RUNS = runs_of(PAGES)
 
 
-@pytest.mark.long  # commands are processes of their own, in which nothing counts lines
+@pytest.mark.long  # the commands run in other processes, whose lines are not counted
 @pytest.mark.parametrize("run", RUNS, ids=lambda run: f"{'+'.join(run.shown)}: {run.commands[0][:50]}")
 def test_pages_show_what_their_commands_print(run: Run, tmp_path: Path):
     desk(tmp_path, run.files)
-    came = [output(command, tmp_path) for command in run.commands]
+    result = [output(command, tmp_path) for command in run.commands]
     for page, shown in run.shown.items():
-        fresh = [fitted(text, text_now) for text, text_now in zip(shown, came, strict=True)]
+        fresh = [fitted(text, text_now) for text, text_now in zip(shown, result, strict=True)]
         assert fresh == list(shown), f"run `python -m tests.docs.update {page}` and look at the difference"
 
 
@@ -51,7 +51,7 @@ def test_every_command_of_every_page_is_in_a_run():
     assert sorted(run) == sorted(there) and len(there) > 100
 
 
-def test_commands_that_share_a_file_are_run_in_one_folder_and_equal_ones_of_two_pages_once(tmp_path: Path):
+def test_commands_with_shared_files_are_one_run_and_equal_runs_are_made_once(tmp_path: Path):
     (tmp_path / "a.md").write_text(
         "<!-- file: case.toml -->\n```toml\nfirmware = 'mine.py'\n```\n"
         "```console\n$ periph-sim run timing/x.toml --record a.psr\n1\n$ periph-sim run timing/x.toml\n2\n```\n"
@@ -74,14 +74,14 @@ def test_commands_that_share_a_file_are_run_in_one_folder_and_equal_ones_of_two_
     ]
 
 
-def test_commands_of_a_block_and_their_outputs():
+def test_a_block_is_split_into_commands_and_outputs():
     block = CONSOLE.findall("x\n```console\n$ periph-sim regs\none\n$ make demo\n```\ny\n")[0]
     assert list(commands(block)) == [("periph-sim regs", "one\n"), ("make demo", "")]
     assert [runs(command) for command, _ in commands(block)] == [True, False]
 
 
 @pytest.mark.parametrize(
-    ("shown", "came", "fits"),
+    ("shown", "result", "fits"),
     [
         ("a\n", "a\n", True),
         ("a\n", "b\n", False),
@@ -93,8 +93,8 @@ def test_commands_of_a_block_and_their_outputs():
         ("a.b\n", "axb\n", False),
     ],
 )
-def test_dots_stand_for_what_varies(shown: str, came: str, fits: bool):
-    assert matches(shown, came) == fits
+def test_dots_match_any_text(shown: str, result: str, fits: bool):
+    assert matches(shown, result) == fits
 
 
 def test_output_that_changed_is_rewritten_and_varying_parts_are_kept(tmp_path: Path):
@@ -105,7 +105,7 @@ def test_output_that_changed_is_rewritten_and_varying_parts_are_kept(tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("shown", "came", "page"),
+    ("shown", "result", "page"),
     [
         ("at 12 us ... s\n...\nend\n", "at 12 us 1 s\nmore\nend\n", "at 12 us ... s\n...\nend\n"),
         ("at 12 us ... s\n...\nend 3\n", "at  7 us 1 s\nmore\nend 4\n", "at  7 us ... s\n...\nend 4\n"),
@@ -113,11 +113,11 @@ def test_output_that_changed_is_rewritten_and_varying_parts_are_kept(tmp_path: P
         ("at 12 us ...\n", "of 12 us x\n", "of 12 us x\n"),
     ],
 )
-def test_new_figures_leave_what_is_left_out_as_it_was(shown: str, came: str, page: str):
-    assert fitted(shown, came) == page
+def test_new_figures_keep_text_that_is_left_out(shown: str, result: str, page: str):
+    assert fitted(shown, result) == page
 
 
-def test_files_of_a_page_are_there_for_its_commands(tmp_path: Path):
+def test_files_of_a_page_are_written_for_its_commands(tmp_path: Path):
     scratch("<!-- file: a.toml -->\n```toml\nname = 1\n```\n", tmp_path)
     assert (tmp_path / "a.toml").read_text(encoding="utf-8") == "name = 1\n"
     assert (tmp_path / "timing" / "imu_hil.toml").is_file()

@@ -1,4 +1,4 @@
-"""Every picture of a report on a page shows what the report has now."""
+"""Every picture of a report on a page shows the current report."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from tests.docs.pages import written
 from tests.docs.photographs import Photograph, digest, digest_in, photographs, with_digest
 
 
-@pytest.mark.long  # commands are processes of their own, in which nothing counts lines
+@pytest.mark.long  # the commands run in other processes, whose lines are not counted
 @pytest.mark.parametrize("photograph", [*photographs()], ids=lambda photograph: photograph.file.stem)
-def test_a_photograph_is_of_the_report_as_it_is(photograph: Photograph, tmp_path: Path) -> None:
+def test_a_photograph_shows_the_current_report(photograph: Photograph, tmp_path: Path) -> None:
     report = written(photograph.page, photograph.command, photograph.report, tmp_path)
     assert digest_in(photograph.file.read_bytes()) == digest(report, photograph.budget), (
         "run `python -m tests.docs.update` and look at it"
     )
 
 
-def test_there_is_one() -> None:
+def test_there_is_one_photograph() -> None:
     assert [photograph.file.name for photograph in photographs()] == ["report.png"]
 
 
-def test_a_digest_is_read_back_and_leaves_the_picture_whole() -> None:
+def test_a_digest_is_added_to_a_picture_and_read_back() -> None:
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -47,6 +47,6 @@ SAID = {"style": "a", "commit": "1", "why": "late", "one": "7", "two": "8"}
 
 
 @pytest.mark.parametrize(("part", "counts"), [("style", 1), ("why", 1), ("one", 1), ("commit", 0), ("two", 0)])
-def test_a_photograph_is_out_of_date_by_what_it_shows_and_nothing_else(part: str, counts: int) -> None:
-    before, after = (digest(PAGE.format(**said), "c1b1") for said in (SAID, SAID | {part: "other"}))
+def test_only_a_change_of_the_shown_parts_makes_a_photograph_out_of_date(part: str, counts: int) -> None:
+    before, after = (digest(PAGE.format(**message), "c1b1") for message in (SAID, SAID | {part: "other"}))
     assert (before != after) == bool(counts)

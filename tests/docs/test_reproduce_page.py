@@ -1,4 +1,4 @@
-"""docs/reproduce.md: published figures are as printed, and those found here are in what their commands print."""
+"""docs/reproduce.md: published figures are as printed there, and own figures are in the output of their commands."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_a_result_is_printed_by_its_command(what: str, here: str, command: str):
 
 
 @pytest.mark.parametrize("chip", EMULATOR)
-def test_the_table_at_rest_shows_what_was_published(chip: str):
+def test_the_table_at_rest_has_the_published_figures(chip: str):
     shown = [text for command, text in SHOWN.items() if command.startswith("periph-sim imu-table | ")]
     lines = "".join(shown).splitlines()
     row = EMULATOR[chip]
@@ -39,7 +39,7 @@ def test_the_table_at_rest_shows_what_was_published(chip: str):
         assert [float(cells[4]) for cells in printed] == list(published)
 
 
-def test_the_words_of_our_image_are_those_of_its_functions():
+def test_the_sizes_of_the_image_equal_those_of_its_functions():
     told = SHOWN["periph-sim image firmware/c28x/imu_hil.asm | sed -n 4,9p"]
     section = {cells[0]: int(cells[-2]) for line in told.splitlines()[2:] if (cells := line.split())}
     image = program_in(ROOT / "firmware" / "c28x" / "imu_hil.asm")

@@ -1,4 +1,4 @@
-"""The site of the pages: it builds without a warning, has every page and its search, and a link to nowhere is found."""
+"""The website of the pages builds without a warning, has every page and a search index, and broken links are errors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.docs.pages import PAGES, ROOT
 
 
 def built(root: Path, out: Path) -> subprocess.CompletedProcess[str]:
-    """Build the site of the pages below `root`. pytest cannot be imported, because the workflow does not install it."""
+    """Build the site of the pages below `root`. pytest is hidden, because the workflow does not install it."""
     without = out.with_name("without")
     without.mkdir()
     (without / "pytest.py").write_text("raise ImportError\n", encoding="utf-8")
@@ -23,7 +23,7 @@ def built(root: Path, out: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, check=False)
 
 
-def test_the_site_has_every_page_and_finds_words(tmp_path: Path):
+def test_the_site_has_every_page_and_a_search_index(tmp_path: Path):
     done = built(ROOT, tmp_path / "site")
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr
@@ -37,7 +37,7 @@ def test_the_site_has_every_page_and_finds_words(tmp_path: Path):
     assert not re.search(r'(?:src|href)="https?://(?!squidfunk\.github\.io)', page)  # no request to another host
 
 
-def test_links_to_nowhere_stop_the_build(tmp_path: Path):
+def test_broken_links_stop_the_build(tmp_path: Path):
     for name in ("docs", "README.md", "CONTRIBUTING.md", "mkdocs.yml"):
         aim = tmp_path / name
         shutil.copytree(ROOT / name, aim) if (ROOT / name).is_dir() else shutil.copy(ROOT / name, aim)
@@ -48,5 +48,5 @@ def test_links_to_nowhere_stop_the_build(tmp_path: Path):
     done = built(tmp_path, tmp_path / "site")
     assert done.returncode != 0
     warnings = [line for line in done.stderr.splitlines() if line.startswith("WARNING")]
-    assert len(warnings) == 2, done.stderr  # each of them alone stops a build that is strict
+    assert len(warnings) == 2, done.stderr  # each of them alone stops a strict build
     assert "'nowhere.md'" in warnings[0] and "'keys.md#nowhere'" in warnings[1]

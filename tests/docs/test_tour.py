@@ -1,4 +1,4 @@
-"""The guided tour of CONTRIBUTING.md: the functions that it names call each other in the order of its tables."""
+"""The functions in the guided tour of CONTRIBUTING.md call each other in the order of its tables."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ BYTE, ACCESS, VERDICT = WALKS
 
 @pytest.fixture(scope="module")
 def calls() -> tuple[Calls, Calls]:
-    """Calls of a run, and of a command that judges a case."""
+    """Return the calls of a run, and those of a command that judges a case."""
     done = subprocess.run(
         [sys.executable, "-m", "tests.docs.tour"],
         cwd=ROOT,
@@ -38,8 +38,8 @@ def calls() -> tuple[Calls, Calls]:
 
 
 @pytest.mark.parametrize(("walk", "most"), [(BYTE, 250), (ACCESS, 100)])
-def test_what_the_last_function_does_comes_from_the_first(calls: tuple[Calls, Calls], walk: str, most: int) -> None:
-    """Search back from the first call of the last function for the nearest call of each function above it."""
+def test_the_last_function_is_reached_from_the_first(calls: tuple[Calls, Calls], walk: str, most: int) -> None:
+    """Search backwards from the first call of the last function for the nearest call of each function before it."""
     run, names = calls[0], WALKS[walk]
     at = end = run.index(names[-1])
     for name in reversed(names[:-1]):

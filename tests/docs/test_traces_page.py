@@ -1,4 +1,4 @@
-"""docs/traces.md: its table of formats names every format there is."""
+"""The table of docs/traces.md names every file format."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ PAGE = (ROOT / "docs" / "traces.md").read_text(encoding="utf-8")
 
 def test_every_suffix_that_is_read_or_written_is_in_the_table():
     table = PAGE[: PAGE.index("\n## Decode")]
-    named = set(re.findall(r"`(\.[\w.]+)`", table)) | {".csv", ".bin", ".txt", "/"}  # those by what wrote them
+    named = set(re.findall(r"`(\.[\w.]+)`", table)) | {".csv", ".bin", ".txt", "/"}  # named by program
     there = {suffix for found in formats.formats().values() for suffix in found.SUFFIXES} | set(recording_formats())
     assert sorted(there - named) == []

@@ -1,4 +1,4 @@
-"""A command run by the server is as one that was started by itself: what goes in, what comes out, its place."""
+"""A command run by the server behaves as one that is started directly: input, output, folder and environment."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import pytest
 from tests.docs.pages import ROOT
 from tests.docs.warm import folder_of_commands
 
-BESIDE_PYTHON = str(Path(sys.executable).parent)  # where the installed command is
+BESIDE_PYTHON = str(Path(sys.executable).parent)  # the folder of the installed command
 CASE = """\
-name = "told"
+name = "small"
 duration = "1 ms"
 [unit.dsp]
-firmware = "told.py"
+firmware = "mine.py"
 modules = ["I2C-A"]
 """
-TOLD = """\
+FIRMWARE = """\
 import os, sys
 def main(dsp, settings):
     environment = {name: value for name, value in os.environ.items() if name not in ("PATH", "_")}
@@ -29,7 +29,7 @@ def main(dsp, settings):
 """
 
 
-def ran(folder: str, command: str, place: Path) -> subprocess.CompletedProcess[str]:
+def run_in_shell(folder: str, command: str, place: Path) -> subprocess.CompletedProcess[str]:
     environment = {
         "PATH": os.pathsep.join((folder, BESIDE_PYTHON, os.environ["PATH"])),
         "PYTHONPATH": str(ROOT),
@@ -55,19 +55,19 @@ def warm() -> str:
         ("periph-sim rum case.toml", 2),
         ("periph-sim run case.toml < case.toml", 1),
         ("echo x | periph-sim run case.toml --set duration='2 ms' --record a.jsonl > b.txt 2>&1; cat a.jsonl b.txt", 0),
-        ("periph-sim run case.toml --json < told.py | head -2; echo ${PIPESTATUS[0]}", 0),
-        ("periph-sim run case.toml < told.py 2> b.txt | periph-sim decode no.vcd", 2),
+        ("periph-sim run case.toml --json < mine.py | head -2; echo ${PIPESTATUS[0]}", 0),
+        ("periph-sim run case.toml < mine.py 2> b.txt | periph-sim decode no.vcd", 2),
     ],
 )
-def test_a_command_does_as_it_does_by_itself(warm: str, command: str, status: int, tmp_path: Path):
+def test_a_command_behaves_as_if_it_was_started_directly(warm: str, command: str, status: int, tmp_path: Path):
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
-    (tmp_path / "told.py").write_text(TOLD, encoding="utf-8")
-    came, wanted = (ran(folder, command, tmp_path) for folder in (warm, BESIDE_PYTHON))
-    assert (came.stdout, came.stderr, came.returncode) == (wanted.stdout, wanted.stderr, wanted.returncode)
-    assert came.returncode == status and came.stdout + came.stderr
+    (tmp_path / "mine.py").write_text(FIRMWARE, encoding="utf-8")
+    result, wanted = (run_in_shell(folder, command, tmp_path) for folder in (warm, BESIDE_PYTHON))
+    assert (result.stdout, result.stderr, result.returncode) == (wanted.stdout, wanted.stderr, wanted.returncode)
+    assert result.returncode == status and result.stdout + result.stderr
 
 
-def test_a_command_that_is_ended_by_a_signal_says_so(warm: str, tmp_path: Path):
+def test_a_command_killed_by_a_signal_has_its_exit_status(warm: str, tmp_path: Path):
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
-    (tmp_path / "told.py").write_text("import os, signal\ndef main(*_): os.kill(os.getpid(), signal.SIGKILL)\n")
-    assert ran(warm, "periph-sim run case.toml; echo $?", tmp_path).stdout == "137\n"
+    (tmp_path / "mine.py").write_text("import os, signal\ndef main(*_): os.kill(os.getpid(), signal.SIGKILL)\n")
+    assert run_in_shell(warm, "periph-sim run case.toml; echo $?", tmp_path).stdout == "137\n"

@@ -1,6 +1,6 @@
-"""Calls of functions in a short run, interpreted, for the guided tour of CONTRIBUTING.md: `python -m tests.docs.tour`.
+"""Function calls of a short interpreted run, for the guided tour of CONTRIBUTING.md: `python -m tests.docs.tour`.
 
-It prints two lists of pairs (file, function) as JSON: of 2 ms of the case `responder`, and of a command that judges it.
+Prints two lists of pairs (file, function) as JSON: of 2 ms of the case `responder`, and of a command that judges it.
 """
 
 from __future__ import annotations
@@ -48,5 +48,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    os.environ["PERIPH_SIM_FORM"] = "interpreted"  # no calls are seen of what is compiled
+    os.environ["PERIPH_SIM_FORM"] = "interpreted"  # calls of compiled functions are not observed
     main()

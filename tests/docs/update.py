@@ -1,7 +1,7 @@
-"""Run the commands of README and docs, write their outputs and what is measured into the pages, draw their pictures:
+"""Run the commands of README and docs, write outputs and measured figures to the pages, and draw their pictures:
 `python -m tests.docs.update [PAGE ...]`.
 
-A page is named by its stem: `python -m tests.docs.update README why`. Without a name: all of them.
+A page is named by its stem: `python -m tests.docs.update README why`. Without a name, all pages are updated.
 """
 
 from __future__ import annotations

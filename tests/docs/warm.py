@@ -1,10 +1,10 @@
-"""`periph-sim` for shells that run commands of pages, without importing it anew for each: a folder for their PATH.
+"""A `periph-sim` for shells that run the commands of pages, without a new import for each: a folder for their PATH.
 
     shell --> CLIENT, called periph-sim --arguments, folder, environment, files 0 to 2--> server --fork--> periph-sim
           <-- exit status --                                                            <--          <--
 
-Importing takes longer than what most of these commands do. The server has imported all commands and run none, so a fork
-of it is as a process of the command's own that has just started.
+Importing takes longer than most of these commands. The server has imported all commands and executed none, so a fork
+of it is equivalent to a newly started process.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from pathlib import Path
 
 MOST = 100_000  # bytes of arguments and environment
 
-# Without site packages: finding them takes longer than all that it does.
+# Without site packages, because finding them takes longer than the client's work.
 CLIENT = """\
 #!{python} -IS
 import os, sys
@@ -36,7 +36,7 @@ with socket(AF_UNIX, SOCK_SEQPACKET) as line:
 sys.exit(int(status) if status else "periph-sim: the server that tests run commands by has ended")
 """
 
-# What most commands import only where they need it.
+# Modules that most commands import only when they need them.
 USED = (
     "periph_sim.interfaces.reports.explain.explain",
     "periph_sim.interfaces.reports.explain.chain",
@@ -45,19 +45,19 @@ USED = (
     "rich.text",
 )
 
-_running: list[subprocess.Popen[str]] = []  # dropped, a Popen closes its pipes
+_running: list[subprocess.Popen[str]] = []  # a deleted Popen would close its pipes
 
 
 @cache
 def folder_of_commands(path: str, root: Path) -> str:
-    """A folder whose `periph-sim` runs the package in `root`. It is there as long as this process is.
+    """Return a folder whose `periph-sim` runs the package in `root`. It exists as long as this process.
 
-    path: PATH for the server; a command has the environment that it is called in.
+    `path` is the PATH of the server; a command has the environment in which it is called.
     """
     server = subprocess.Popen(
         [sys.executable, "-P", __file__],
         env={"PATH": path, "PYTHONPATH": str(root), "LC_ALL": "C.UTF-8"},
-        stdin=subprocess.PIPE,  # ends with this process, and the server by that
+        stdin=subprocess.PIPE,  # is closed at the end of this process, which ends the server
         stdout=subprocess.PIPE,
         text=True,
     )
@@ -67,7 +67,7 @@ def folder_of_commands(path: str, root: Path) -> str:
 
 
 def main() -> None:
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # as periph-sim does before it imports
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # as periph-sim sets it before its imports
     from periph_sim import cli
 
     for package in cli.PACKAGES:
@@ -79,7 +79,7 @@ def main() -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as server:
         _listen(server, folder)
         print(folder, flush=True)
-        signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for those who wait for commands
+        signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the children that wait for a command are not waited for
         while sys.stdin not in select.select([server, sys.stdin], [], [])[0]:
             line, _ = server.accept()
             with line:
@@ -99,7 +99,7 @@ def _listen(server: socket.socket, folder: Path) -> None:
 
 
 def _is_command(line: socket.socket) -> bool:
-    """Forks again. True in the child, which is as its client wants it; the other waits for it, tells, and ends."""
+    """Fork again. Return True in the child, set up for its client; the parent sends the child's status and ends."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     child = os.fork()
     if child:
@@ -111,7 +111,7 @@ def _is_command(line: socket.socket) -> bool:
     for number, file in enumerate(files):
         os.dup2(file, number)
         os.close(file)
-    sys.path.insert(0, str(Path(sys.executable).parent))  # where the installed command is
+    sys.path.insert(0, str(Path(sys.executable).parent))  # the folder of the installed command
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)

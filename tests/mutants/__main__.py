@@ -1,13 +1,13 @@
-"""`python -m tests.mutants`: tries a sample of one-line mutants of the committed tree, and lists those no test kills.
+"""`python -m tests.mutants`: run the tests on a sample of one-line mutants of the committed tree, and list survivors.
 
-    --seed 1 --count 60 --room measures     60 lines drawn, one change of each
+    --seed 1 --count 60 --room measures     60 random lines, one change of each
     --file periph_sim/timing/rounds.py      every change of every line
-    --unmapped                              for a room whose tests take seconds: they run whole, and none is mapped
+    --unmapped                              for a room whose tests take seconds: all run, without a map of lines
 
-A tool of our own and neither cosmic-ray nor mutmut. mutmut calls every function through a trampoline, and this package
-counts frames to know where firmware stands and switches greenlets in the middle of them; cosmic-ray runs one command
-for every mutant, in the tree it is started in. Neither draws a sample by a seed. What is left to do is small: `ast` for
-the changes, coverage's contexts for the tests that reach a line, pytest in a fork for the rest.
+This tool replaces cosmic-ray and mutmut. mutmut calls every function through a trampoline, but this package counts
+frames to find the place of firmware and switches greenlets in the middle of them; cosmic-ray runs one command for each
+mutant, in the tree in which it is started. Neither draws a seeded sample. The remaining work is small: `ast` finds the
+changes, coverage's contexts name the tests that reach a line, and pytest runs in a fork.
 """
 
 from __future__ import annotations
@@ -62,24 +62,22 @@ def main(arguments: list[str]) -> int:
 
 
 def _options(arguments: list[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m tests.mutants", description="Mutants of the committed tree.")
-    parser.add_argument("--count", type=int, default=300, help="mutants a seed")
-    parser.add_argument("--seed", action="append", help="a number, or 'drawn'; several times for several")
-    parser.add_argument("--file", action="append", help="all mutants of a file, in place of a sample; several times")
-    parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="several times for several")
-    parser.add_argument("--commit", default="HEAD", help="which tree to try")
-    parser.add_argument("--workers", type=int, default=2, help="processes at a time")
-    parser.add_argument("--patience", type=float, default=120.0, help="seconds of processor time to kill one")
-    parser.add_argument(
-        "--again", action="store_true", help="only those that survived in the report kept of the sample"
-    )
-    parser.add_argument("--unmapped", action="store_true", help="do not measure which tests reach which line")
-    parser.add_argument("--least", type=float, default=95.0, help="percent to be killed of those not equivalent")
+    parser = argparse.ArgumentParser(prog="python -m tests.mutants", description="Test mutants of the committed tree.")
+    parser.add_argument("--count", type=int, default=300, help="mutants per seed")
+    parser.add_argument("--seed", action="append", help="a number, or 'drawn' for a random one; may be repeated")
+    parser.add_argument("--file", action="append", help="all mutants of a file instead of a sample; may be repeated")
+    parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="may be repeated")
+    parser.add_argument("--commit", default="HEAD", help="the commit whose tree is mutated")
+    parser.add_argument("--workers", type=int, default=2, help="number of parallel processes")
+    parser.add_argument("--patience", type=float, default=120.0, help="seconds of processor time per mutant")
+    parser.add_argument("--again", action="store_true", help="only the survivors in the saved report of the sample")
+    parser.add_argument("--unmapped", action="store_true", help="do not measure which tests reach each line")
+    parser.add_argument("--least", type=float, default=95.0, help="required percentage killed, without equivalents")
     return parser.parse_args(arguments)
 
 
 def _chosen(options: argparse.Namespace, rooms: tuple[str, ...], root: Path) -> Iterator[tuple[str, list[Mutant]]]:
-    """Samples, each with the name it is reported by: all mutants of each file given, else those of each seed."""
+    """Yield samples with their names in reports: all mutants of each given file, or else those of each seed."""
     for path in options.file or ():
         yield path, every(path, root)
     for seed in () if options.file else _seeds(options.seed):
@@ -87,16 +85,16 @@ def _chosen(options: argparse.Namespace, rooms: tuple[str, ...], root: Path) -> 
 
 
 def _seeds(given: list[str] | None) -> list[int]:
-    """Those of the command line; 1, 2, 3 and one drawn else."""
+    """Return the seeds of the command line; by default 1, 2, 3 and a random one."""
     wanted = given or ["1", "2", "3", "drawn"]
     return [SystemRandom().randrange(10**6) if seed == "drawn" else int(seed) for seed in wanted]
 
 
 def _reach(tree: Tree, commit: str, rooms: tuple[str, ...], workers: int) -> Reach:
-    """Measured once a commit and choice of rooms."""
+    """Measure the reach once per commit and choice of rooms, and read it from its file afterwards."""
     kept = OUT / f"reach-{commit[:10]}-{'-'.join(rooms)}.json"
     if not kept.exists():
-        print("running the short tests as they are, under coverage", flush=True)
+        print("running the short tests without a mutant, under coverage", flush=True)
         measured(tree, rooms, workers).write(kept)
     return Reach.read(kept)
 
@@ -120,20 +118,20 @@ def _all_tried(chosen: list[Mutant], runners: list[Runner], reach: Reach, patien
 
 
 def _killed_before(name: str, commit: str) -> dict[str, Callable[[Mutant], Trial]]:
-    """What need not be tried again of the sample whose report is kept. SystemExit if that was of another tree."""
+    """Return the trials in the saved report that need not be repeated. Raise SystemExit if the package has changed."""
     kept = _report_file(name)
     if not kept.exists():
-        raise SystemExit(f"{name}: no report is kept of it; try it once without --again")
-    told = json.loads(kept.read_text(encoding="utf-8"))
+        raise SystemExit(f"{name}: there is no saved report; run it once without --again")
+    report = json.loads(kept.read_text(encoding="utf-8"))
     if subprocess.run(
-        ["git", "diff", "--quiet", told["commit"], commit, "--", "periph_sim"], cwd=ROOT, check=False
+        ["git", "diff", "--quiet", report["commit"], commit, "--", "periph_sim"], cwd=ROOT, check=False
     ).returncode:
-        raise SystemExit(f"{name}: periph_sim is not what it was at {told['commit'][:10]}; try it without --again")
+        raise SystemExit(f"{name}: periph_sim has changed since {report['commit'][:10]}; run it without --again")
     return {
         row["mutant"]: partial(
             Trial, outcome=row["outcome"], by=row["by"], reached=0, cpu=row["cpu_s"], seconds=row["seconds"]
         )
-        for row in told["mutants"]
+        for row in report["mutants"]
         if row["outcome"] != "survived"
     }
 
@@ -143,7 +141,7 @@ def _report_file(name: str) -> Path:
 
 
 def _reported(name: str, commit: str, trials: list[Trial], least: float) -> bool:
-    """Prints and keeps what came of a sample; whether enough were killed."""
+    """Print and save the results of a sample. Return True if enough mutants were killed."""
     argued = [trial for trial in trials if trial.outcome == "survived" and why_equivalent(trial.mutant)]
     survived = [trial for trial in trials if trial.outcome == "survived" and not why_equivalent(trial.mutant)]
     real = len(trials) - len(argued)
@@ -168,8 +166,8 @@ def _reported(name: str, commit: str, trials: list[Trial], least: float) -> bool
         | {"equivalent": why_equivalent(t.mutant), "cpu_s": round(t.cpu, 1), "seconds": round(t.seconds, 1)}
         for t in trials
     ]
-    told = {"sample": name, "commit": commit, "killed_percent": share, "mutants": rows}
-    _report_file(name).write_text(json.dumps(told, indent=1), encoding="utf-8")
+    report = {"sample": name, "commit": commit, "killed_percent": share, "mutants": rows}
+    _report_file(name).write_text(json.dumps(report, indent=1), encoding="utf-8")
     return share >= least
 
 

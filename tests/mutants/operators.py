@@ -1,9 +1,9 @@
-"""One-line changes of a Python source: a text goes in, every `Change` that can be made of it comes out.
+"""One-line changes of Python source: `changes` returns every `Change` of a text.
 
     ast --> comparisons, constants, and/or, signs, operators, conditions, min and max, statements, returns --> Change
 
-A change replaces a few bytes of one line. Annotations, docstrings, decorators, messages, `assert`, protocols and what
-only a type checker sees are left alone: no test could tell.
+A change replaces a few bytes of one line. Annotations, docstrings, decorators, messages, `assert`, protocols and code
+for type checkers are not changed, because no test can detect that.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ LEFT_ALONE = (ast.JoinedStr, ast.Assert, ast.Raise, ast.Import, ast.ImportFrom, 
 
 @dataclass(frozen=True)
 class Change:
-    """line: 1 for the first. begin, end: bytes of that line. kind: for the report."""
+    """A replacement of bytes `begin` to `end` of a line, whose number counts from 1. `kind` is for the report."""
 
     line: int
     begin: int
@@ -57,7 +57,7 @@ class Change:
 
 
 def changes(source: str) -> list[Change]:
-    """Every change, in the order of lines, none twice."""
+    """Return every change once, in the order of lines."""
     found = _Walk(source.encode().splitlines(keepends=True)).of(ast.parse(source))
     return sorted(set(found), key=lambda change: (change.line, change.begin, change.end, change.after))
 
@@ -106,7 +106,7 @@ class _Walk:
                 yield from self._returned(node.value)
         if isinstance(node, ast.Expr | ast.Assign | ast.Continue | ast.Break | ast.Delete):
             named = isinstance(node, ast.Assign) and any(isinstance(t, ast.Name | ast.Tuple) for t in node.targets)
-            if not named:  # without its name a test fails with NameError, whatever it looks at
+            if not named:  # without the name every test fails with NameError
                 yield from self._whole(node, "pass", "deleted statement")
 
     def _returned(self, value: ast.expr) -> Iterator[Change]:
@@ -119,7 +119,7 @@ class _Walk:
             yield from self._whole(value, "None", "returned constant")
 
     def _between(self, left: ast.expr, right: ast.expr, pattern: str, after: str, kind: str) -> Iterator[Change]:
-        """The operator between two operands, if it stands on one line with both ends of it."""
+        """Yield the change of the operator between two operands, if it is on one line with the adjacent ends."""
         if left.end_lineno != right.lineno or left.end_col_offset is None:
             return
         space = self._lines[right.lineno - 1][left.end_col_offset : right.col_offset].decode()
@@ -137,7 +137,7 @@ class _Walk:
 
 
 def _children(node: ast.AST) -> Iterator[ast.AST]:
-    """What runs and can be tested of a node."""
+    """Yield the child nodes that are executed and can be tested."""
     for name, value in ast.iter_fields(node):
         if name in ("annotation", "returns", "decorator_list", "type_params", "bases", "keywords") and not isinstance(
             node, ast.Call

@@ -1,10 +1,10 @@
-"""Which tests reach which line: a run of tests under coverage goes in, tests by file and line come out.
+"""Map from lines to the tests that reach them, from a run of the tests under coverage.
 
     pytest -m "not long" --cov --cov-context=test --> .coverage --> {file: {line: [test, ...]}}
                           failures --> failing
 
-Tests are named without their parameters: those of one function go through the same lines or nearly so, and the ones
-that are `long` are not in the map at all. What fails without any mutant judges none: it is left out, and told.
+Tests are named without their parameters, because those of one function reach nearly the same lines. Tests marked `long`
+are not in the map. A test that fails without a mutant judges no mutant: it is left out and reported.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from .tree import Tree
 
 Lines = dict[int, list[str]]
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+?::.+?|\S+?)(?: - .*)?$", re.MULTILINE)
-ORDINARY = (0, 1, 5)  # exit states of pytest: passed, some failed, none collected
+ORDINARY = (0, 1, 5)  # exit statuses of pytest: all passed, some failed, none collected
 
 
 class Reach:
-    """lines: file -> line -> tests. failing, passing: tests known to do so as they are, with their parameters.
+    """The tests that reach each line of each file, and those known to fail or pass without a mutant, with parameters.
 
-    The most particular tests come first: those that reach the fewest lines.
+    The most specific tests, which reach the fewest lines, are first.
     """
 
     def __init__(self, lines: dict[str, Lines], failing: list[str] | None = None) -> None:
@@ -41,18 +41,18 @@ class Reach:
         self._weight = Counter(test for tests in lines.values() for each in tests.values() for test in each)
 
     def tests_of(self, path: str, line: int) -> list[str]:
-        """The tests that run this line of a file."""
+        """Return the tests that run this line of a file."""
         return sorted(self._lines.get(path, {}).get(line, []), key=lambda test: (self._weight[test], test))
 
     def fails(self, test: str) -> None:
-        print(f"fails as it is, and judges no mutant: {test}", flush=True)
+        print(f"fails without a mutant, so it judges none: {test}", flush=True)
         self.failing.append(test)
 
     @classmethod
     def read(cls, path: Path) -> Reach:
-        told = json.loads(path.read_text(encoding="utf-8"))
-        lines = {name: {int(line): tests for line, tests in each.items()} for name, each in told["lines"].items()}
-        return cls(lines, told["failing"])
+        contents = json.loads(path.read_text(encoding="utf-8"))
+        lines = {name: {int(line): tests for line, tests in each.items()} for name, each in contents["lines"].items()}
+        return cls(lines, contents["failing"])
 
     def write(self, path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -60,7 +60,7 @@ class Reach:
 
 
 def measured(tree: Tree, rooms: tuple[str, ...], workers: int) -> Reach:
-    """Runs the short tests of the rooms as they are, under coverage. SystemExit if pytest cannot run them."""
+    """Run the short tests of the rooms without a mutant, under coverage. Raise SystemExit if pytest cannot run them."""
     folders = sorted({folder for room in rooms for folder in (*ROOMS[room].tests, *ROOMS[room].also)})
     command = [sys.executable, "-m", "pytest", "-q", "-m", "not long", "-n", str(workers), "-p", "no:cacheprovider"]
     command += ["--cov", "--cov-context=test", "--cov-report=", "--cov-fail-under=0", *folders]
@@ -71,7 +71,7 @@ def measured(tree: Tree, rooms: tuple[str, ...], workers: int) -> Reach:
 
 
 def contexts(data_file: Path, root: Path) -> dict[str, Lines]:
-    """What coverage wrote down: "tests/x.py::test_y[3]|run" on a line is test "tests/x.py::test_y"."""
+    """Read coverage's data: context "tests/x.py::test_y[3]|run" of a line is test "tests/x.py::test_y"."""
     data = CoverageData(str(data_file))
     data.read()
     found: dict[str, Lines] = {}

@@ -1,6 +1,6 @@
-"""pytest for trials: a tree, a room and tests go in; passed, failed or ran too long comes out.
+"""Run pytest for trials: tests of a tree and room pass, fail or take too long.
 
-One warm process a tree and room (`warm.py`), started when its first mutant is tried, ended with the tree.
+There is one warm process per tree and room (`warm.py`), from its first mutant until the tree is no longer used.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NOTHING_COLLECTED = 5  # pytest's exit status
 
 @dataclass(frozen=True)
 class Ran:
-    """by: the test that failed, or what else ended it. cpu: seconds of processor time."""
+    """Result of a run. by: the failed test, or another reason. cpu: seconds of processor time."""
 
     outcome: Outcome
     by: str = ""
@@ -33,9 +33,9 @@ class Ran:
 
 
 class Runner:
-    """Runs tests of one tree, one call at a time. Use it as a context: its processes end with it.
+    """Runs tests of one tree, one call at a time. It is a context manager, which ends its processes.
 
-    a_test, a_run: seconds before a test, or all of a call, counts as caught in a loop.
+    A test that takes more than `a_test` seconds, or a call that takes more than `a_run`, counts as an endless loop.
     """
 
     def __init__(self, tree: Tree, a_test: int = 60, a_run: int = 1800) -> None:
@@ -54,9 +54,9 @@ class Runner:
             process.stdout.close()
 
     def run(self, room: str, tests: list[str], without: list[str], patience: float = 3600) -> Ran:
-        """Up to the first failure, without these; what none has failed in `patience` s of processor time survives.
+        """Run tests except `without` up to the first failure. A mutant without one in `patience` CPU seconds survives.
 
-        SystemExit where it is not the mutant that fails but this process.
+        Raise SystemExit if the warm process fails.
         """
         arguments = [*OPTIONS, "-o", f"timeout={self._a_test}", *tests, *(f"--deselect={test}" for test in without)]
         process = self._of(room)
@@ -66,8 +66,8 @@ class Runner:
             print(json.dumps(request), file=process.stdin, flush=True)
             answer = json.loads(process.stdout.readline())
         except (OSError, ValueError):
-            raise SystemExit(f"the warm process of room {room!r} broke down; what it said stands above") from None
-        return Ran(*_read(answer["status"], answer["told"], self._a_run), answer["cpu"])
+            raise SystemExit(f"the warm process of room {room!r} broke down; its output is above") from None
+        return Ran(*_read(answer["status"], answer["output"], self._a_run), answer["cpu"])
 
     def _of(self, room: str) -> subprocess.Popen[str]:
         if room not in self._warm:
@@ -83,11 +83,11 @@ class Runner:
         return self._warm[room]
 
 
-def _read(status: int | None, told: str, seconds: int) -> tuple[Outcome, str]:
+def _read(status: int | None, output: str, seconds: int) -> tuple[Outcome, str]:
     if status is None:
         return "timeout", f"{seconds} s of tests"
     if status in (0, NOTHING_COLLECTED, -signal.SIGXCPU):
         return "survived", ""
-    by = next((line for line in told.splitlines() if line.startswith(("FAILED ", "ERROR "))), "")
+    by = next((line for line in output.splitlines() if line.startswith(("FAILED ", "ERROR "))), "")
     by = by.partition(" - ")[0].partition(" ")[2] or f"pytest ended with status {status}"
-    return "timeout" if "Failed: Timeout" in told or "Timeout (>" in told else "killed", by
+    return "timeout" if "Failed: Timeout" in output or "Timeout (>" in output else "killed", by

@@ -1,8 +1,8 @@
-"""Which mutants are tried: rooms and a seed go in, a sample of one-line changes comes out.
+"""Random sample of one-line mutants of the sources of rooms.
 
     room --> files --> lines that can be changed --seed--> lines in random order, one change of each --> Mutant
 
-Lines are drawn, not changes: a line full of constants is one chance like any other.
+Lines are drawn, not changes, so that a line with many constants is as likely as any other.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from .operators import Change, changes
 
 @dataclass(frozen=True)
 class Room:
-    """sources: folders of the package. tests: folders of tests that are about them. also: others that run them.
+    """sources: folders of the package. tests: folders with their tests. also: folders with other tests that run them.
 
-    A mutant that passes the tests that run its line is tried with each folder of `tests` whole, the long tests too; of
-    `also` only tests that run the line are tried. without: files of the sources that are not sampled.
+    A mutant that survives the tests that run its line is tested with each whole folder of `tests`, long tests included.
+    Of `also`, only tests that run the line are used. without: files of the sources that are not sampled.
     """
 
     sources: tuple[str, ...]
@@ -80,7 +80,7 @@ USUAL = ("chips", "processor", "measures", "decoders", "insight")
 
 @dataclass(frozen=True)
 class Mutant:
-    """path: from the root. before, after: the line, without blanks around it."""
+    """A changed line of a file. path: relative to the root. before, after: the line without surrounding blanks."""
 
     room: str
     path: str
@@ -93,7 +93,7 @@ class Mutant:
 
 
 def files_of(room: str, root: Path) -> list[str]:
-    """The sources of a room, from the root. SystemExit for a room that has none: its folder has moved."""
+    """Return the source files of a room, relative to the root. Raise SystemExit if its folder does not exist."""
     sources, without = ROOMS[room].sources, ROOMS[room].without
     found = {str(path.relative_to(root)) for folder in sources for path in (root / folder).rglob("*.py")}
     if not found or not found >= {*without}:
@@ -102,7 +102,7 @@ def files_of(room: str, root: Path) -> list[str]:
 
 
 def mutants_of(room: str, path: str, root: Path) -> list[list[Mutant]]:
-    """Every mutant of a file, line by line."""
+    """Return all mutants of a file, grouped by line."""
     source = (root / path).read_text(encoding="utf-8")
     lines = source.encode().splitlines(keepends=True)
     found: dict[int, list[Mutant]] = {}
@@ -114,7 +114,7 @@ def mutants_of(room: str, path: str, root: Path) -> list[list[Mutant]]:
 
 
 def every(path: str, root: Path) -> list[Mutant]:
-    """All mutants of one file. SystemExit for a file of no room."""
+    """Return all mutants of one file. Raise SystemExit for a file that is in no room."""
     room = next((name for name in ROOMS if path in files_of(name, root)), None)
     if room is None:
         raise SystemExit(f"{path}: a file of no room; rooms are {', '.join(ROOMS)}")
@@ -122,7 +122,7 @@ def every(path: str, root: Path) -> list[Mutant]:
 
 
 def drawn(rooms: tuple[str, ...], count: int, seed: int, root: Path) -> list[Mutant]:
-    """`count` mutants of these rooms, each of another line; fewer where there are not so many lines."""
+    """Return `count` mutants of these rooms, each of another line, or fewer if there are fewer lines."""
     random = Random(seed)
     lines = [line for room in rooms for path in files_of(room, root) for line in mutants_of(room, path, root)]
     return [random.choice(line) for line in random.sample(lines, min(count, len(lines)))]

@@ -1,4 +1,4 @@
-"""The changes that are made of a source, and those that are not."""
+"""Changes of source code, and code that is not changed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def mutants(source: str) -> set[str]:
-    """Every mutant of one line, without its blanks."""
+    """Return every mutant of a source, as its changed line without surrounding blanks."""
     lines = source.encode().splitlines(keepends=True)
     return {change.applied(lines[change.line - 1]).decode().strip() for change in changes(source)}
 
@@ -56,11 +56,11 @@ def mutants(source: str) -> set[str]:
         ("x = 'größer' if a < b else c", {"x = 'größer' if a <= b else c", "x = 'größer' if not (a < b) else c"}),
     ],
 )
-def test_changes_of_a_line(line: str, wanted: set[str]) -> None:
+def test_a_line_has_these_changes(line: str, wanted: set[str]) -> None:
     assert mutants(line) == wanted
 
 
-def test_conditions_and_returns() -> None:
+def test_conditions_and_returns_are_changed() -> None:
     assert mutants("def f(x):\n    if x:\n        return g(x)\n    return x > y") == {
         "if not (x):",
         "return None",
@@ -88,7 +88,7 @@ def test_conditions_and_returns() -> None:
         "x = zip(a, b, strict=True)",
     ],
 )
-def test_what_no_test_could_tell_is_left_alone(source: str) -> None:
+def test_code_that_no_test_can_check_is_not_changed(source: str) -> None:
     assert mutants(source) == set()
 
 
@@ -98,7 +98,7 @@ def test_keywords_of_calls_are_changed_and_bases_of_classes_are_not() -> None:
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "periph_sim" / "f28335").glob("*.py")), ids=lambda path: path.name)
-def test_every_mutant_of_a_file_is_python_and_another_program(path: Path) -> None:
+def test_every_mutant_of_a_file_is_a_valid_and_different_program(path: Path) -> None:
     source = path.read_text(encoding="utf-8")
     lines = source.encode().splitlines(keepends=True)
     own = ast.dump(ast.parse(source))

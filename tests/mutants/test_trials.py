@@ -1,4 +1,4 @@
-"""Mutants of a small project: which are drawn, which tests reach them, what becomes of them, and that they go away."""
+"""Mutants of a small project: sampling, the tests that reach them, their outcomes, and restored sources."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_above():
 
 @pytest.fixture
 def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A repository of a room with one file; changed after its commit."""
+    """A repository with one room of one file, which is changed after its commit."""
     root = tmp_path / "project"
     for path, text in {
         "room/__init__.py": "",
@@ -91,10 +91,10 @@ def test_the_same_seed_draws_the_same_lines_each_once(tree: Tree) -> None:
     first, again, other = (drawn(("room",), 4, seed, tree.folder) for seed in (1, 1, 2))
     assert first == again != other
     assert len({one.change.line for one in first}) == 4
-    assert len(drawn(("room",), 100, 1, tree.folder)) == 8  # lines that can be changed
+    assert len(drawn(("room",), 100, 1, tree.folder)) == 8  # there are 8 lines that can be changed
 
 
-def test_a_room_without_sources_is_no_pass(tree: Tree, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_room_without_sources_is_an_error(tree: Tree, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sample.ROOMS, "empty", Room(("gone",), ()))
     with pytest.raises(SystemExit, match="room 'empty': gone: not there"):
         drawn(("empty",), 4, 1, tree.folder)
@@ -109,13 +109,13 @@ def test_files_left_out_are_not_sampled(tree: Tree, monkeypatch: pytest.MonkeyPa
     assert sample.files_of("part", tree.folder) == ["room/__init__.py"]
 
 
-def test_a_commit_that_is_not_there(root: Path) -> None:
+def test_a_missing_commit_is_an_error(root: Path) -> None:
     assert commit_of(root, "HEAD") == commit_of(root)
     with pytest.raises(SystemExit, match="there is no commit 'nowhere'"):
         commit_of(root, "nowhere")
 
 
-def test_a_mutant_stands_in_the_committed_tree_for_a_while(root: Path, tree: Tree) -> None:
+def test_a_mutant_is_in_the_tree_only_inside_its_context(root: Path, tree: Tree) -> None:
     path = tree.folder / "room" / "code.py"
     before = path.stat().st_mtime_ns
     with tree.mutated(mutant(tree, "if x <= low:")):
@@ -125,12 +125,12 @@ def test_a_mutant_stands_in_the_committed_tree_for_a_while(root: Path, tree: Tre
 
 
 @pytest.mark.long
-def test_what_becomes_of_mutants(tree: Tree, runner: Runner, tmp_path: Path) -> None:
+def test_outcomes_of_mutants(tree: Tree, runner: Runner, tmp_path: Path) -> None:
     measured(tree, ("room",), 1).write(tmp_path / "reach.json")
     reach = Reach.read(tmp_path / "reach.json")
     assert reach.tests_of("room/code.py", 5) == ["tests/room/test_code.py::test_below"]
     assert reach.tests_of("room/code.py", 15) == []
-    came = {
+    result = {
         after: (trial.outcome, trial.by.rpartition("::")[2], trial.reached)
         for after in (
             "if not (x < low):",
@@ -143,20 +143,20 @@ def test_what_becomes_of_mutants(tree: Tree, runner: Runner, tmp_path: Path) -> 
         )
         for trial in [tried(mutant(tree, after), runner, reach)]
     }
-    assert came == {
+    assert result == {
         "if not (x < low):": ("killed", "test_below[0]", 1),
-        "return high if x >= high else x": ("survived", "", 1),  # an equivalent: both sides are the same there
+        "return high if x >= high else x": ("survived", "", 1),  # equivalent: both branches give the same
         "return high if not (x > high) else x": ("killed", "test_below[5]", 1),
         "return None": ("killed", "test_below[0]", 1),
         "n = n + 1": ("timeout", "test_counts", 1),
         "return 1 - 1": ("survived", "", 0),
-        "TOP = 10": ("killed", "test_above", 0),  # runs on import, which is no test's
+        "TOP = 10": ("killed", "test_above", 0),  # is executed at import, outside of all tests
     }
     assert (tree.folder / "room" / "code.py").read_text(encoding="utf-8") == SOURCE
 
 
 @pytest.mark.long
-def test_only_a_long_test_kills_this_one(tree: Tree, runner: Runner) -> None:
+def test_a_long_test_kills_a_mutant(tree: Tree, runner: Runner) -> None:
     trial = tried(mutant(tree, "return high if not (x > high) else x"), runner, Reach({}))
     assert (trial.outcome, trial.reached) == ("killed", 0)
     (tree.folder / "tests/room/test_code.py").write_text(TESTS.partition("@pytest.mark.long")[0], encoding="utf-8")
@@ -164,8 +164,8 @@ def test_only_a_long_test_kills_this_one(tree: Tree, runner: Runner) -> None:
 
 
 @pytest.mark.long
-def test_a_file_that_the_map_does_not_name_kills_too(tree: Tree, runner: Runner) -> None:
-    """The map holds the first row of each table only; here a later row of another file, its helper's, runs the line."""
+def test_a_test_that_is_not_in_the_map_kills_a_mutant(tree: Tree, runner: Runner) -> None:
+    """The map has only the first row of each table; here a later row of another file runs the line by a helper."""
     helped = "from helper import below\n@pytest.mark.parametrize('x', [0, 5])\ndef test_row(x): below(x)\n"
     helper = "from room import code\ndef below(x): assert code.clamp(x, 3, 9) == max(3, x)\n"
     folder = tree.folder / "tests/room"
@@ -178,8 +178,8 @@ def test_a_file_that_the_map_does_not_name_kills_too(tree: Tree, runner: Runner)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("known", [True, False], ids=["it was seen when reach was measured", "it is seen to kill"])
-def test_what_fails_as_it_is_judges_no_mutant(
+@pytest.mark.parametrize("known", [True, False], ids=["found when reach was measured", "found when it kills"])
+def test_a_test_that_fails_without_a_mutant_judges_none(
     tree: Tree, runner: Runner, known: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tree.folder / "tests/room/test_code.py"
@@ -189,12 +189,12 @@ def test_what_fails_as_it_is_judges_no_mutant(
     assert reach.failing == (["tests/room/test_code.py::test_broken[2]"] if known else [])
     assert tried(mutant(tree, "return 1 - 1"), runner, reach).outcome == "survived"
     assert reach.failing == ["tests/room/test_code.py::test_broken[2]"]
-    assert capsys.readouterr().out.count("fails as it is, and judges no mutant") == 1
+    assert capsys.readouterr().out.count("fails without a mutant, so it judges none") == 1
     assert tried(mutant(tree, "return high if not (x > high) else x"), runner, reach).outcome == "killed"
 
 
 @pytest.mark.long
-def test_tests_that_cannot_run_end_it(tree: Tree, runner: Runner) -> None:
+def test_tests_that_cannot_run_are_an_error(tree: Tree, runner: Runner) -> None:
     (tree.folder / "pyproject.toml").write_text("[tool.pytest.ini_options]\naddopts = '--unknown'", encoding="utf-8")
     with pytest.raises(SystemExit, match="pytest could not run the tests as they are"):
         measured(tree, ("room",), 1)
@@ -203,7 +203,7 @@ def test_tests_that_cannot_run_end_it(tree: Tree, runner: Runner) -> None:
 
 
 @pytest.mark.long
-def test_a_run_without_an_end_counts_as_a_timeout_and_is_ended_with_what_it_started(tree: Tree) -> None:
+def test_an_endless_run_is_a_timeout_and_its_processes_are_ended(tree: Tree) -> None:
     loops = "import subprocess, sys\ndef test_loops(): subprocess.run([sys.executable, '-c', 'while True: pass'])\n"
     (tree.folder / "tests/room/test_loops.py").write_text(loops, encoding="utf-8")
     with Runner(tree, a_test=60, a_run=3) as runner:
@@ -213,18 +213,18 @@ def test_a_run_without_an_end_counts_as_a_timeout_and_is_ended_with_what_it_star
 
 
 @pytest.mark.long
-def test_a_warm_process_that_breaks_down_is_no_kill(tree: Tree, runner: Runner, monkeypatch: pytest.MonkeyPatch):
+def test_a_warm_process_that_breaks_down_is_an_error(tree: Tree, runner: Runner, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("tests.mutants.runner.WARM", tree.folder / "gone.py")
     with pytest.raises(SystemExit, match="the warm process of room 'room' broke down"):
         runner.run("room", ["tests/room/test_code.py"], [])
 
 
-def test_a_file_of_no_room_has_no_mutants(tree: Tree) -> None:
+def test_a_file_that_is_in_no_room_is_an_error(tree: Tree) -> None:
     with pytest.raises(SystemExit, match="a file of no room; rooms are room"):
         every("tests/room/test_code.py", tree.folder)
 
 
-def test_every_equivalent_is_argued_and_its_line_is_there() -> None:
+def test_every_equivalent_mutant_has_an_argument_and_its_line_exists() -> None:
     for (file, before, after), why in arguments().items():
         source = (LIST.parents[2] / file).read_text(encoding="utf-8")
         assert before in (line.strip() for line in source.splitlines()), f"{file}: {before}: it is no longer there"
@@ -232,7 +232,7 @@ def test_every_equivalent_is_argued_and_its_line_is_there() -> None:
 
 
 @pytest.mark.long
-def test_what_is_not_killed_in_time_has_survived(tree: Tree, runner: Runner) -> None:
+def test_a_mutant_that_is_not_killed_in_time_survives(tree: Tree, runner: Runner) -> None:
     reach = Reach({"room/code.py": {11: ["tests/room/test_code.py::test_counts"]}})
     endless = mutant(tree, "n = n + 1")
     with Runner(tree, a_test=30) as patient:

@@ -1,4 +1,4 @@
-"""What a warm process has imported before its first test: all but the room and what needs it."""
+"""Modules that a warm process imports before its first test: all except the room and modules that need it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FILES = {
     "docs/conf.py": "",
     "setup.py": "",
 }
-TELLS = """
+PROGRAM = """
 import sys
 sys.path.insert(0, sys.argv[1])
 from tests.mutants import warm
@@ -40,7 +40,7 @@ print(warm.open_to_all(warm.modules(Path.cwd())), [name for name in sys.modules 
 """
 
 
-def test_what_can_be_imported_without_the_room_is_and_nothing_else(tmp_path: Path) -> None:
+def test_exactly_the_modules_that_do_not_need_the_room_are_imported(tmp_path: Path) -> None:
     for path, text in FILES.items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text, encoding="utf-8")
@@ -50,6 +50,6 @@ def test_what_can_be_imported_without_the_room_is_and_nothing_else(tmp_path: Pat
     ]
     root = str(Path(__file__).parents[2])
     ran = subprocess.run(
-        [sys.executable, "-c", TELLS, root], cwd=tmp_path, capture_output=True, text=True, check=True
+        [sys.executable, "-c", PROGRAM, root], cwd=tmp_path, capture_output=True, text=True, check=True
     ).stdout
-    assert ran == "['a', 'a.low', 'a.rooms'] []\n"  # and the trying leaves nothing behind
+    assert ran == "['a', 'a.low', 'a.rooms'] []\n"  # and the attempts leave no modules imported

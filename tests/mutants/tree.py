@@ -1,4 +1,4 @@
-"""Clean copies of the committed tree: a commit goes in, folders in which mutants are tried come out."""
+"""Clean copies of the committed tree, in which mutants are tested."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .sample import Mutant
 
 
 def commit_of(root: Path, name: str = "HEAD") -> str:
-    """The commit that is tried: what is changed and not committed is no part of it. SystemExit if there is none."""
+    """Return the commit to be tested, without uncommitted changes. Raise SystemExit if it does not exist."""
     command = ["git", "rev-parse", "--verify", f"{name}^{{commit}}"]
-    told = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
-    if told.returncode:
+    result = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
+    if result.returncode:
         raise SystemExit(f"there is no commit {name!r}")
-    return told.stdout.strip()
+    return result.stdout.strip()
 
 
 def unpack(root: Path, commit: str, folder: Path) -> None:
-    """The files of a commit, into a new folder."""
+    """Extract the files of a commit to a new folder."""
     folder.mkdir(parents=True)
     packed = subprocess.run(["git", "archive", commit], cwd=root, capture_output=True, check=True).stdout
     with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
@@ -33,18 +33,18 @@ def unpack(root: Path, commit: str, folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Tree:
-    """One copy, for one trial at a time."""
+    """One copy of the tree, for one trial at a time."""
 
     folder: Path
 
     def environment(self) -> dict[str, str]:
-        """Of processes that import the package: this copy, and nothing that a shell has set up for another one."""
+        """Return the environment of processes that import this copy, without variables that refer to another one."""
         kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST", "COV_", "PYTHON"))}
         return {**kept, "PYTHONPATH": str(self.folder)}
 
     @contextmanager
     def mutated(self, mutant: Mutant) -> Iterator[None]:
-        """The mutant in its place, for a while. Compiled files of it go away: they are known by second and size."""
+        """Insert the mutant inside the context. Its bytecode, which Python checks by second and size, is deleted."""
         path = self.folder / mutant.path
         stat, own = path.stat(), path.read_bytes()
         lines = own.splitlines(keepends=True)

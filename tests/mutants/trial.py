@@ -1,14 +1,14 @@
-"""One mutant tried: it, a runner and the tests that reach it go in; killed, killed by timeout or survived comes out.
+"""Trial of one mutant with the tests that reach it: killed, killed by timeout, or survived.
 
 a few tests that run the line --> its namesake --> the others that run it --> files that import it --> all files
          | one fails                 | one fails       | one fails              | one fails           |       | pass
          +----> killed <-------------+-----------------+----------------------+---------------------+    survived
-                                                                          a limit of time: timeout, counted apart
+                                                                          at a time limit: timeout, counted separately
 
-The namesake is the test file named after the mutated one. Files run whole, the long tests too. All files are first
-those with a short test that runs the line, then the folders of the room in the order of its entry, the quickest first:
-coverage counts no long tests, and of a table of parameters only the first row, so that its map misses tests. A test
-that killed a mutant has to pass without it, in the same process: one that fails as it is judges none, and is reported.
+The namesake is the test file named after the mutated one. Files are run whole, long tests included. The last step runs
+the files with a short test that runs the line, then the folders of the room in the order of its entry, the quickest
+first: coverage counts no long tests and only the first row of a table of parameters, so its map misses tests. A test
+that killed a mutant must pass without it in the same process; one that fails judges none and is reported.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from .reach import Reach
 from .runner import Outcome, Ran, Runner
 from .sample import ROOMS, Mutant
 
-NEAREST = 6  # tests, tried before the others are collected
+NEAREST = 6  # number of tests that run before the others are collected
 
 
 @dataclass(frozen=True)
 class Trial:
-    """by: the test that failed, or what else ended it. reached: how many test functions run the line.
+    """Result of a trial. by: the failed test, or another reason. reached: number of test functions that run the line.
 
-    cpu: seconds of processor time. seconds: of the clock.
+    cpu: seconds of processor time. seconds: wall time.
     """
 
     mutant: Mutant
@@ -41,7 +41,7 @@ class Trial:
 
 
 def tried(mutant: Mutant, runner: Runner, reach: Reach, patience: float = 3600) -> Trial:
-    """patience: seconds of processor time; what is not killed by then has survived, whatever other tests would say."""
+    """Try a mutant for `patience` seconds of processor time, after which it has survived."""
     begin = perf_counter()
     near = reach.tests_of(mutant.path, mutant.change.line)
     ran, cpu = Ran("survived"), 0.0
@@ -56,7 +56,7 @@ def tried(mutant: Mutant, runner: Runner, reach: Reach, patience: float = 3600) 
 
 
 def _own_files(mutant: Mutant, root: Path) -> tuple[list[str], list[str]]:
-    """The test files named after the mutated one; others that import it."""
+    """Return the test files named after the mutated one, and the others that import it."""
     module = Path(mutant.path).with_suffix("")
     package, name = ".".join(module.parent.parts), re.escape(module.name)
     imports = re.compile(rf"^from {re.escape(package)}(\.{name} import| import .*\b{name}\b)", re.MULTILINE)
@@ -67,7 +67,7 @@ def _own_files(mutant: Mutant, root: Path) -> tuple[list[str], list[str]]:
 
 
 def _ran(mutant: Mutant, runner: Runner, reach: Reach, tests: list[str], patience: float) -> Ran:
-    """By tests that pass without the mutant; those that do not are left out from now on."""
+    """Run tests that pass without the mutant; those that fail without it are left out of all later runs."""
     while True:
         with runner.tree.mutated(mutant):
             ran = runner.run(mutant.room, tests, reach.failing, patience)

@@ -1,11 +1,11 @@
-"""Pytest in a process that has imported all that no mutant of a room can touch: arguments in, what it said out.
+"""Run pytest in forks of a process that has imported every module that no mutant of a room can affect.
 
-    start --> pytest, libraries, every module of ours that can be imported without the room's --> waits on stdin
-    {"arguments": [...], "seconds": s, "cpu": c} --fork--> pytest in the child --> {"status": n, "told": ..., "cpu": c}
+    start --> pytest, libraries, every own module that can be imported without the room --> waits on stdin
+    {"arguments": [...], "seconds": s, "cpu": c} --fork--> pytest in the child --> {"status": n, "output": t, "cpu": c}
 
-Started as `python warm.py PACKAGE...` in the folder of a tree; the packages are the room's. Importing costs more than
-most tests that kill a mutant, and a fork starts with all of it done. What imports the room, be it at second hand, is
-imported by each child anew: which modules those are is not worked out but tried, with the room locked.
+It is started as `python warm.py PACKAGE...` in the folder of a tree, with the packages of the room. Importing takes
+longer than most tests that kill a mutant, and a fork has the imported modules. Modules that import the room, directly
+or indirectly, are imported again by each child; they are found by trying, with the room locked.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from importlib.abc import MetaPathFinder
 from pathlib import Path
 from typing import IO, Any
 
-NOT_OURS_TO_IMPORT = ("tests", "__main__")  # pytest rewrites the asserts of tests; a main runs
+NOT_OURS_TO_IMPORT = ("tests", "__main__")  # pytest rewrites the asserts of tests, and importing a main module runs it
 PLUGINS = ("pytest", "pytest_timeout", "xdist.plugin", "hypothesis", "hypothesis.core", "_hypothesis_pytestplugin")
-LONGEST = 100_000  # characters handed back, the last ones
-PAUSE = 0.01  # seconds between looks at the child
+LONGEST = 100_000  # maximum number of characters returned, from the end of the output
+PAUSE = 0.01  # seconds between checks of the child
 
 
 class Locked(BaseException):
-    """A module of the room was asked for. No Exception, so that nobody takes it for a missing library."""
+    """A module of the room was imported. Not an Exception, so that it is not handled as a missing library."""
 
 
 class Lock(MetaPathFinder):
@@ -43,14 +43,14 @@ class Lock(MetaPathFinder):
 
 
 def modules(folder: Path) -> list[str]:
-    """The modules of a tree's packages, by name."""
+    """Return the names of the modules in a tree's packages."""
     parts = [path.relative_to(folder).with_suffix("").parts for path in folder.glob("*/**/*.py")]
     names = {".".join(of).removesuffix(".__init__") for of in parts if not {*of} & {*NOT_OURS_TO_IMPORT}}
     return sorted(name for name in names if (folder / name.partition(".")[0] / "__init__.py").exists())
 
 
 def open_to_all(names: list[str]) -> list[str]:
-    """Those that can be imported, tried in a child: one that fails half-way leaves what it had imported behind."""
+    """Return the modules that can be imported, tried in a child, because a failed import leaves others imported."""
     reader, writer = os.pipe()
     child = os.fork()
     if not child:
@@ -61,22 +61,22 @@ def open_to_all(names: list[str]) -> list[str]:
                 importlib.import_module(name)
             except (Locked, Exception):
                 for left in {*names} & {*sys.modules} - before:
-                    del sys.modules[left]  # of a package that failed after importing it: alone it cannot be had
+                    del sys.modules[left]  # its package failed after importing it, so it cannot be imported alone
                 continue
             found.append(name)
         os.write(writer, json.dumps(found).encode())
         os._exit(0)
     os.close(writer)
-    with os.fdopen(reader) as told:
-        found = json.loads(told.read() or "[]")
+    with os.fdopen(reader) as output:
+        found = json.loads(output.read() or "[]")
     os.waitpid(child, 0)
     return list(found)
 
 
-def ran(arguments: list[str], seconds: float, cpu: int) -> dict[str, object]:
-    """pytest in a child, with a process group of its own. Status: None if it was ended after so many seconds.
+def run_pytest(arguments: list[str], seconds: float, cpu: int) -> dict[str, object]:
+    """Run pytest in a child with its own process group. The status is None if it was killed after `seconds`.
 
-    cpu: seconds of processor time, after which the system ends it with SIGXCPU.
+    After `cpu` seconds of processor time, the system ends it with SIGXCPU.
     """
     with tempfile.TemporaryFile() as out:
         child = os.fork()
@@ -94,8 +94,8 @@ def ran(arguments: list[str], seconds: float, cpu: int) -> dict[str, object]:
             os.killpg(child, signal.SIGKILL)
             _, _, used = os.wait4(child, 0)
         out.seek(0)
-        told = out.read().decode(errors="replace")[-LONGEST:]
-        return {"status": status, "told": told, "cpu": used.ru_utime + used.ru_stime}
+        output = out.read().decode(errors="replace")[-LONGEST:]
+        return {"status": status, "output": output, "cpu": used.ru_utime + used.ru_stime}
 
 
 def _be_pytest(arguments: list[str], out: IO[bytes], cpu: int) -> None:
@@ -127,7 +127,9 @@ def main(packages: list[str]) -> None:
     gc.freeze()
     for line in iter(sys.stdin.readline, ""):
         request = json.loads(line)
-        print(json.dumps(ran(request["arguments"], request["seconds"], request["cpu"])), file=answers, flush=True)
+        print(
+            json.dumps(run_pytest(request["arguments"], request["seconds"], request["cpu"])), file=answers, flush=True
+        )
 
 
 if __name__ == "__main__":

@@ -99,7 +99,7 @@ def test_a_reply_cut_short_is_shown_up_to_its_limit():
 def test_a_reply_expected_at_a_time_has_no_request():
     booted = {"name": "reply", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
     small = case(unit={"dsp": unit("SCI-A")}, serial={"expect": [booted]}, duration="2 ms")
-    steps = steps_of(run_and_explain(small, says("SCI-A", b"OR"))["reply"])
+    steps = steps_of(run_and_explain(small, sender("SCI-A", b"OR"))["reply"])
     assert [step for step in steps if "character" in step] == [R_NOT_K]
 
 

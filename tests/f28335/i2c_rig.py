@@ -327,10 +327,13 @@ class Rig(Bus):
 def addressed(
     read: int = 0, *, mode: int = 0, first: int | None = None, sent: Iterable[int] = (), ier: int = 0, **options: Value
 ) -> Rig:
-    """A rig whose chip has just been addressed by its own address: fall 9 of the address byte, or of the last one sent.
+    """Return a rig at fall 9 of the own address, or of the last byte sent after it.
 
-    first: written to I2CDXR in the first half of the acknowledge slot, so that there is no underflow.
-    sent: bytes to the chip, whatever it answers. ier: I2CIER, written behind them.
+    read: 1 if the master reads.
+    mode: value of I2CMDR without IRS.
+    first: value written to I2CDXR in the first half of the acknowledge slot, so that there is no underflow.
+    sent: bytes sent to the chip after the address, whether acknowledged or not.
+    ier: value of I2CIER, written after these bytes.
     """
     rig = Rig(bit=BIT, **options)
     rig.begin(mode)

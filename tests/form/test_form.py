@@ -63,7 +63,7 @@ def test_an_incomplete_build_is_not_usable(package: Path, change: str):
         (package / "core" / "one.py").unlink()
     elif change == "no library":
         (built / LIBRARY).unlink()
-    elif change == "another size":  # the disk was full, or a copy was cut off
+    elif change == "another size":  # as after a full disk or an interrupted copy
         (built / LIBRARY).write_bytes(b"half")
     elif change == "no manifest":
         (built / MANIFEST).unlink()

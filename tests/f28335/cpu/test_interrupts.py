@@ -292,7 +292,7 @@ def test_no_interrupt_is_taken_between_the_entry_and_the_first_instruction():
     assert core.next_taken(14) == 1
 
 
-# What is taken ------------------------------------------------------------------------
+# Masks and priority -------------------------------------------------------------------
 
 
 @pytest.mark.rule("SYS-128")

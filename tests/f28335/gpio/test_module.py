@@ -211,7 +211,7 @@ def test_a_reset_cancels_a_multiplexer_write_that_has_not_taken_effect():
     assert (rig.gpio.source("SCIRXDA"), rig.gpio.routes_version) == (None, routes)
 
 
-# Latch, direction, pad -------------------------------------------------------
+# Latches, directions, pads ---------------------------------------------------
 
 
 @pytest.mark.rule("SYS-060", "SYS-061", "SYS-062", "SYS-066")

@@ -99,7 +99,7 @@ def test_sda_is_pulled_only_for_the_ninth_pulse():
     assert not rig.pulling_sda
 
 
-# Roles and bits without meaning for a slave
+# Directions, and bits that have no effect in a slave
 
 
 @pytest.mark.rule("I2C-042", "I2C-099")

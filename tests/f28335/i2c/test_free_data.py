@@ -1,4 +1,4 @@
-"""I2C free data format (FDF): no address, the direction is TRX's. SPRUG03B section 2.5.3, Table 7."""
+"""I2C free data format (FDF): there is no address, and TRX is the direction. SPRUG03B section 2.5.3, Table 7."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_the_first_byte_has_bc_bits_too(bc: int):
 
 @rule("I2C-317", "I2C-319", "I2C-054", "I2C-316")
 @pytest.mark.parametrize("own", [0x00, 0x50])
-def test_a_slave_with_trx_0_takes_every_transfer_whatever_its_address(own: int):
+def test_a_slave_with_trx_0_receives_every_transfer_for_any_own_address(own: int):
     b = Bench(Foreign("S 77 12 P", at=2000), own=own)
     b.mode("FDF")
     assert b.drain(2) == [0x77, 0x12]
@@ -53,7 +53,7 @@ def test_a_slave_with_trx_0_takes_every_transfer_whatever_its_address(own: int):
 
 
 @rule("I2C-070", "I2C-316")
-def test_the_first_byte_is_right_justified_with_nothing_above_it():
+def test_the_first_byte_is_right_justified_with_zeros_above_it():
     b = Bench(second=I2cOptions())
     b.mode("FDF", 5, b.s)
     b.send([0x15], extra="STP FDF", bc=5)
@@ -94,12 +94,12 @@ def test_i2csar_0_is_not_a_general_call_in_the_free_data_format():
     assert not b.flag("NACK")
 
 
-@pytest.mark.parametrize(("before", "behind", "said"), [("FDF", "", "S 5a A P"), ("", "FDF", "S 50W A 5a A P")])
-def test_the_format_is_that_of_the_write_that_sets_stt(before: str, behind: str, said: str):
+@pytest.mark.parametrize(("before", "after", "said"), [("FDF", "", "S 5a A P"), ("", "FDF", "S 50W A 5a A P")])
+def test_the_format_is_that_of_the_write_that_sets_stt(before: str, after: str, said: str):
     """I2CMDR is written again after the fall of SDA of the START."""
     b = Bench(Target(free="r") if before else Target())
     b.mode(f"FREE MST TRX STT STP {before}", count=1, data=0x5A)
     b.edge(SDA, 0)
-    b.mode(f"FREE MST TRX STP {behind}")
+    b.mode(f"FREE MST TRX STP {after}")
     b.stopped()
     assert b.decoded(free=bool(before)) == said

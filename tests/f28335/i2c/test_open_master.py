@@ -472,7 +472,7 @@ def test_open_xrdyint_when_idle_as_master(how: str):
     b.w("I2CDXR", 1)
     b.stopped()
     b.run(100)
-    assert b.peek("I2CISRC") == 5  # the byte has left I2CDXR in the transfer
+    assert b.peek("I2CISRC") == 5  # because the byte was copied from I2CDXR during the transfer
 
 
 def test_open_xrdyint_when_idle_as_master_receiver():

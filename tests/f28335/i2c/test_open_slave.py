@@ -658,7 +658,7 @@ def test_open_irs_clears_isrc(clears):
     assert rig.read("I2CISRC", wait=SOON) == (0 if clears else 6)
 
 
-# Clock, emulation, FIFO
+# Clock, debugger, FIFO
 
 
 @pytest.mark.rule("I2C-157", "I2C-158")

@@ -1,4 +1,4 @@
-"""Break: a line that stays low for ten bits after a missing stop bit."""
+"""The break of the SCI: a line that stays low for ten bits after a missing stop bit."""
 
 from __future__ import annotations
 

@@ -239,7 +239,7 @@ def lines(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("module", MAPS)
-def test_register_map(module: str):
+def test_the_register_map_of_each_module(module: str):
     assert [printed(register) for register in MAPS[module]] == lines(MANUAL[module])
 
 

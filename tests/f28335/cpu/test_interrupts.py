@@ -297,7 +297,7 @@ def test_no_interrupt_is_taken_between_the_entry_and_the_first_instruction():
 
 @pytest.mark.rule("SYS-128")
 @given(number=st.integers(1, 16), ier=st.integers(0, 0xFFFF), intm=st.booleans())
-def test_taken_if_ier_and_intm_allow_it_else_pending(number, ier, intm):
+def test_an_interrupt_is_taken_if_ier_and_intm_allow_it_and_else_pending(number, ier, intm):
     core = cpu(ier=ier, intm=intm, raised=number)
     allowed = bool(ier & bit(number)) and not intm
     assert core.next_taken(10) == (number if allowed else 0)
@@ -324,7 +324,7 @@ def test_interrupts_are_served_in_the_order_of_priority():
 
 
 @pytest.mark.rule("SYS-129")
-def test_reset_comes_before_everything():
+def test_a_reset_clears_pending_interrupts_and_the_nesting():
     core, now = in_isr()
     for number in (EMUINT, NMI, 1):
         core.raise_line(now, number)

@@ -90,7 +90,7 @@ class TimerRig(DiagramRig):
 
 
 @pytest.mark.rule("SYS-082")
-def test_addresses():
+def test_addresses_of_the_timers_and_their_registers():
     assert BASES == (0xC00, 0xC08, 0xC10)
     offsets = {r.name: r.offset for r in MAP}
     assert offsets == {"TIM": 0, "TIMH": 1, "PRD": 2, "PRDH": 3, "TCR": 4, "TPR": 6, "TPRH": 7}

@@ -215,7 +215,7 @@ def test_a_reset_cancels_a_multiplexer_write_that_has_not_taken_effect():
 
 
 @pytest.mark.rule("SYS-060", "SYS-061", "SYS-062", "SYS-066")
-def test_set_clear_and_toggle():
+def test_set_clear_and_toggle_change_the_latches():
     check("""
         > GPADIR.GPIO4     1 . . . . . . . . . .
         > GPASET.GPIO4     . . 1 0 . . . . . . .

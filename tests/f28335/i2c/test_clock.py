@@ -46,7 +46,7 @@ def one_byte(b: Bench) -> None:
         (255, 1, 2, 256 * 6, 256 * 7),
     ],
 )
-def test_low_and_high_time(psc: int, clkl: int, clkh: int, low: int, high: int):
+def test_low_and_high_time_of_scl(psc: int, clkl: int, clkh: int, low: int, high: int):
     b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh)
     b.mode("MST TRX STT STP", count=1, data=0x5A)
     b.until(lambda: b.flag("SCD"), 100 * (low + high))

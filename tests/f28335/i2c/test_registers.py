@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.i2c.register_map import I2C_MAP
 
 from ..i2c_bus import SDA
@@ -282,7 +281,3 @@ def test_a_system_reset_sets_the_reset_values_and_holds_the_module_in_reset():
     rig.put(scl=1, sda=1)
     assert not rig.address(0)
     assert rig.status(BB | RRDY) == 0
-
-
-def test_names_of_pins():
-    assert I2c.INPUTS == I2c.OUTPUTS == ("SCL", "SDA")

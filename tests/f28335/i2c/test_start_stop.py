@@ -276,16 +276,6 @@ def test_without_stb_the_address_follows_the_start():
     assert b.write_all([0x12]) == "S 50W A 12 A P"
 
 
-@rule("I2C-065")
-@pytest.mark.parametrize("stb", ["", "STB"])
-def test_stb_has_no_effect_on_a_slave(stb: str):
-    b = Bench(Foreign("S 50W 12 P"), own=0x50)
-    b.mode(stb)
-    assert b.drain(1) == [0x12]
-    b.run(4 * SLOT)
-    assert (b.decoded(), b.foreign.acknowledges) == ("S 50W A 12 A P", "AA")
-
-
 @rule("I2C-063", "I2C-091")
 def test_a_second_module_ignores_the_start_byte_and_answers_the_address():
     b = Bench(second=I2cOptions())

@@ -46,7 +46,7 @@ def keys(chip: SystemControl, now: int, *values: int) -> None:
 
 
 @pytest.mark.rule("SYS-020")
-def test_runs_after_reset_at_oscclk_by_512():
+def test_the_watchdog_runs_after_reset_at_oscclk_by_512():
     chip = system()
     counts = [chip.peek(now, WDCNTR.offset) for now in (0, STEP - 1, STEP, 2 * STEP - 1, 2 * STEP, 255 * STEP)]
     assert counts == [0, 0, 1, 1, 2, 255]

@@ -4,7 +4,7 @@
     python -m tests.hard --memcheck
 
     make core HARD=1 --> build/hard --+--> pytest: the tests of what is compiled
-                                      +--> random cases (tests/form/random_cases.py): equal records interpreted
+                                      +--> random cases (tests/form/random_cases.py): the same records as interpreted
                                       +--> shipped cases with a collection of garbage at each new object: the same
 
 Everything runs in processes with the sanitizers loaded and a small stack. --short builds only the kernel and the wires,

@@ -4,9 +4,9 @@
     --file periph_sim/timing/rounds.py      every change of every line
     --unmapped                              for a room whose tests take seconds: all run, without a map of lines
 
-This tool replaces cosmic-ray and mutmut. mutmut calls every function through a trampoline, but this package counts
-frames to find the place of firmware and switches greenlets in the middle of them; cosmic-ray runs one command for each
-mutant, in the tree in which it is started. Neither draws a seeded sample. The remaining work is small: `ast` finds the
+Neither mutmut nor cosmic-ray can be used here. mutmut calls every function through a trampoline, but this package
+counts frames to find the place of firmware and switches greenlets in the middle of them; cosmic-ray runs one command
+for each mutant, in the tree in which it is started. Neither draws a seeded sample. The remaining work is small: `ast` finds the
 changes, coverage's contexts name the tests that reach a line, and pytest runs in a fork.
 """
 

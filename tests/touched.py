@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = ("periph_sim", "firmware", "tests")
 FOUND_BY = dict.fromkeys(
     ("periph_sim.interfaces.commands", "periph_sim.imu.commands"), "periph_sim.cli"
-)  # else by the package
+)  # other modules are found by their package
 WHOLE_PAGES = ("tests/docs/test_pages.py", "tests/docs/test_pictures.py")
 PAGES = (".md", ".svg", ".png")
 

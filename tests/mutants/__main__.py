@@ -6,8 +6,8 @@
 
 Neither mutmut nor cosmic-ray can be used here. mutmut calls every function through a trampoline, but this package
 counts frames to find the place of firmware and switches greenlets in the middle of them; cosmic-ray runs one command
-for each mutant, in the tree in which it is started. Neither draws a seeded sample. The remaining work is small: `ast` finds the
-changes, coverage's contexts name the tests that reach a line, and pytest runs in a fork.
+for each mutant, in the tree in which it is started. Neither draws a seeded sample. The remaining work is small: `ast`
+finds the changes, coverage's contexts name the tests that reach a line, and pytest runs in a fork.
 """
 
 from __future__ import annotations

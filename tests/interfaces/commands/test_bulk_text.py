@@ -48,7 +48,7 @@ def test_the_word_of_a_code_is_computed_once():
     assert asked == [0, 1, 2]
 
 
-def test_columns_that_only_some_lines_have():
+def test_only_some_lines_have_a_sparse_column():
     where = np.array([1, AT_ONCE - 1, AT_ONCE, AT_ONCE + 2])
     heads = Sparse([Literal("#"), Digits(np.array([7, 8, 9, 10]), 0, NONE)], where)
     found = lines(heads, Literal("."), count=AT_ONCE + 3)

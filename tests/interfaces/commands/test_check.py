@@ -18,7 +18,7 @@ TIMING = ROOT / "timing"
 LONG = ("imu_hil", "imu_hil_published", "two_dsps")  # each takes seconds
 
 
-def test_from_no_baseline_to_a_change_and_its_explanation(periph_sim: Run, cases: Path):
+def test_a_baseline_is_written_and_a_later_change_is_explained(periph_sim: Run, cases: Path):
     result = periph_sim("check", "--jobs", "1")
     assert (result.status, result.err) == (1, "")
     assert "check: 0 of 1 as they should be" in result.out and "missing" in result.out
@@ -114,7 +114,7 @@ def test_a_tolerance_is_a_time_or_cycles(periph_sim: Run, cases: Path, tolerance
     assert result.err == (notice if tolerance.isdecimal() else "")
 
 
-def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
+def test_annotations_are_on_standard_error_with_json(periph_sim: Run, cases: Path):
     result = periph_sim("check", "--jobs", "1", "--json", "--annotations", "github")
     assert result.json_object["verdict"] == "fail"
     assert result.err.startswith("::error file=timing/small.toml,line=1,title=")

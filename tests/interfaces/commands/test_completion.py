@@ -61,7 +61,7 @@ def complete(
 ) -> Callable[..., list[str]]:
     """Return a function that returns the completions of a line whose last word is unfinished."""
     (here / "case.toml").write_text(CASE, encoding="utf-8")
-    monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # not pytest
+    monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # the program is not pytest
 
     def lines(*words: str) -> list[str]:
         monkeypatch.setattr(sys, "argv", ["periph-sim"])
@@ -111,7 +111,7 @@ def complete(
 def test_commands_options_and_their_values_are_completed(complete: Complete, words: list[str], offered: list[str]):
     found = complete(*words)
     assert found[: len(offered)] == offered
-    assert len(found) == len(offered) or words[-1] in ("contr", "SC")  # which have many more
+    assert len(found) == len(offered) or words[-1] in ("contr", "SC")  # these have many more
 
 
 @pytest.mark.parametrize("data", BROKEN.values(), ids=BROKEN)

@@ -320,7 +320,7 @@ def test_a_wrong_option_is_one_error_message(periph_sim: Run, options: tuple[str
     assert sentence in periph_sim.refused("decode", str(NACK), *options)
 
 
-def test_channels_without_telling_names_must_be_mapped(periph_sim: Run, tmp_path: Path):
+def test_channels_with_unknown_names_must_be_mapped(periph_sim: Run, tmp_path: Path):
     path = sr_file(tmp_path / "plain.sr", ["0", "1"], "1 MHz", bytes([3]) * 100)
     assert "no channels are named scl and sda, rx or tx, it has 0 (index 0), 1 (index 1)" in periph_sim.refused(
         "decode", path

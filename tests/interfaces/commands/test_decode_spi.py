@@ -155,7 +155,7 @@ def test_words_equal_those_of_sigrok_cli(periph_sim: Run, tmp_path: Path, format
         "decode", path, "--spi", ",".join([LINES, *(f"{k}={v}" for k, v in options.items())]), "--format", "sigrok"
     ).out
     command = ["sigrok-cli", "-I", "vcd", "-i", path, "--protocol-decoder-samplenum"]
-    for line in ("mosi", "miso"):  # a decoder each
+    for line in ("mosi", "miso"):  # one decoder for each line
         words = ["spi", "clk=CLK", "cs=CS", f"{line}={line.upper()}", *(f"{k}={v}" for k, v in options.items())]
         command += ["-P", ":".join(words)]
     theirs = subprocess.run(

@@ -45,7 +45,7 @@ def test_slower_firmware_changes_the_figures_and_the_first_moved_event_is_named(
 
 
 @pytest.mark.parametrize("tolerance", [0, 1])
-def test_a_moved_access_is_reported_with_its_line_if_no_figure_changes_much(cases: Path, tolerance: int):
+def test_a_moved_access_is_reported_with_its_line_if_every_budget_holds(cases: Path, tolerance: int):
     """The firmware computes 20 cycles more before each I2CDXR write, far from the deadline and above the tolerance."""
     put(cases, wait=20)
     (one,) = check([cases], jobs=1, tolerance=tolerance)

@@ -29,7 +29,7 @@ from tests.scene.runs import TIMING
 
 TIMEBASE = Timebase()
 US = TIMEBASE.ticks(Fraction(1, 10**6), "nearest")
-BEGIN = 7 * US  # of the run
+BEGIN = 7 * US  # the begin of the run
 CASE: Any = SimpleNamespace(duration=Fraction(30, 1000))
 
 #            S   byte  W I  F   i  R  P   S   P   S           P       microseconds after the begin of the run

@@ -255,7 +255,7 @@ def test_only_the_least_critical_occurrences_of_explained_budgets_are_recorded(m
     assert looked_for == [worst, typical]
 
 
-# Windows made by hand ---------------------------------------------------------------------
+# Windows built by hand ---------------------------------------------------------------------
 
 CASE = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}})
 
@@ -265,7 +265,7 @@ CASE = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}})
     [
         ([40], [10, 30], ["SCL falls, and stays low"]),
         ([40, 50], [45], ["SDA falls, and stays low"]),
-        ([40, 50], [60], ["SDA falls, and stays low"]),  # in the very tick
+        ([40, 50], [60], ["SDA falls, and stays low"]),  # in the same tick
         ([40, 50], [61], []),
         ([40], [20], ["SDA falls, and stays low", "SCL falls, and stays low"]),
     ],

@@ -26,8 +26,7 @@ from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.decode import i2c
-from tests.interfaces.reports.explain.made import drawn, run_and_explain
-from tests.interfaces.reports.explain.made import steps_of as message
+from tests.interfaces.reports.explain.made import drawn, run_and_explain, steps_of
 from tests.records.scenes import line_of
 from tests.scene.runs import TIMING
 from tests.scene.small import case
@@ -110,7 +109,7 @@ def test_an_address_nack_is_traced_to_the_write_that_caused_it(
     assert place_of(one, words) == line_of(serve, below)
     assert round(one.chain.us(step.at - start.at)) == pytest.approx(written_us, abs=1)
     assert one.chain.blamed is not None and one.chain.blamed.place == step.place
-    assert any(what == "address 0x50 not acknowledged" for what in message(one))
+    assert any(what == "address 0x50 not acknowledged" for what in steps_of(one))
 
 
 def no_address(i2c: Any, dsp: Dsp) -> None:
@@ -145,7 +144,7 @@ def never_addressed(i2c: Any, dsp: Dsp) -> None:
     ],
 )
 def test_an_address_nack_is_traced_to_the_missing_write(serve: Callable[[Any, Dsp], None], shown: str):
-    assert any(what.startswith(shown) for what in message(explained(serve, "nacked", READ, start=False)))
+    assert any(what.startswith(shown) for what in steps_of(explained(serve, "nacked", READ, start=False)))
 
 
 def refuse_byte(i2c: Any, dsp: Dsp) -> None:
@@ -175,8 +174,8 @@ def test_a_nack_to_the_firmware_as_master_is_not_explained_by_its_own_address():
         dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
 
     one = run_and_explain(run, main)["b"]
-    assert "address 0x51 not acknowledged" in message(one)
-    assert not any("I2COAR" in what or "IRS" in what for what in message(one))
+    assert "address 0x51 not acknowledged" in steps_of(one)
+    assert not any("I2COAR" in what or "IRS" in what for what in steps_of(one))
 
 
 # Bytes and hangs ---------------------------------------------------------------------
@@ -206,7 +205,7 @@ def test_a_byte_written_for_another_transfer_is_explained():
     one = run_and_explain(load(TIMING / "imu_hil_no_sdir.toml", ["duration=12 ms"]))["wrong bytes"]
     assert any(
         what.startswith("byte 1: 0x12 ACK, not 0x11, written to I2CDXR") and what.endswith("for gyroscope (0x68 W)")
-        for what in message(one)
+        for what in steps_of(one)
     )
     assert one.chain.blamed is not None and one.chain.blamed.place is not None
     boxes = next(line for line in text_picture(one.window, 120) if line.startswith("bytes"))
@@ -227,7 +226,7 @@ def test_the_expected_bytes_of_a_long_read_are_known_at_its_first_wrong_byte():
 
     slow = {"address": 0x50, "count": 40, "expect": "11" * 40}  # takes 37 ms at 10 kHz
     one = explained(serve, "wrong bytes", slow, duration="80 ms", rate="10 kHz", period="50 ms")
-    assert message(one)[2].startswith("byte 1: 0x12 ACK, not 0x11")
+    assert steps_of(one)[2].startswith("byte 1: 0x12 ACK, not 0x11")
 
 
 def reset_in_read(i2c: Any, dsp: Dsp) -> None:
@@ -273,7 +272,7 @@ def test_a_nack_a_wrong_byte_and_a_hang_are_traced_to_the_access_that_caused_the
 ):
     one = explained(serve, measure, request_)
     assert place_of(one, words) == line_of(serve, below)
-    assert any(what.startswith(shown) for what in message(one))
+    assert any(what.startswith(shown) for what in steps_of(one))
     assert measure == "missed rounds" or str(one.chain.blamed) == words.partition(",")[0]
 
 
@@ -292,7 +291,7 @@ def trust_old_stop(i2c: Any, dsp: Dsp) -> None:
 
 def test_a_wait_that_an_old_flag_ended_is_explained():
     one = explained(trust_old_stop, "missed rounds", {**READ, "count": 3, "expect": "01 02 03"}, period="2 ms")
-    assert [what.partition(",")[0] for what in message(one)] == [
+    assert [what.partition(",")[0] for what in steps_of(one)] == [
         "0x50 (0x50 R)",
         "I2C-A.I2CSTR.BB set",
         "the firmware sees I2CSTR.SCD",
@@ -301,7 +300,7 @@ def test_a_wait_that_an_old_flag_ended_is_explained():
         "a round is due",
         "dsp: wait for I2C-A.I2CSTR.BB",
     ]
-    assert message(one)[2] == "the firmware sees I2CSTR.SCD, which rose 1624.900 us before this transfer began"
+    assert steps_of(one)[2] == "the firmware sees I2CSTR.SCD, which rose 1624.900 us before this transfer began"
 
 
 @pytest.mark.parametrize(
@@ -380,8 +379,8 @@ def test_a_missing_request_of_a_round_is_explained_by_the_start_in_its_place():
     )
     one = run_and_explain(made)["b"]
     assert (one.chain.verdict.worst, one.chain.verdict.broken) == (1, True)
-    assert message(one)[-1] == "0x50 W begins, and the request before it was not made"
-    assert message(one)[:-1] == ["0x50 W, not acknowledged"], "of the period before"
+    assert steps_of(one)[-1] == "0x50 W begins, and the request before it was not made"
+    assert steps_of(one)[:-1] == ["0x50 W, not acknowledged"], "these steps are of the period before"
 
 
 # The unit ---------------------------------------------------------------------------------

@@ -122,7 +122,7 @@ def test_unsolicited_characters_are_explained_with_their_writes():
     assert shown.chain.blame is not None and shown.chain.blame.place == steps[0].place
 
 
-# A reply that never came ------------------------------------------------------------
+# Missing replies --------------------------------------------------------------------
 
 
 OK = {"name": "reply", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}

@@ -243,7 +243,7 @@ def test_a_worker_that_dies_affects_only_its_run(case: Path) -> None:
     dies = {"dsp": programs.dying, "other": programs.pausing}
     case.write_text(case.read_text() + '\n[unit.other]\nfirmware = "given"\nmodules = []\n')
     with pytest.raises(BadCase, match="its process died before it finished; periph-sim run shows"):
-        sweep(case, {"seed": [1, 2]}, programs=dies, jobs=2)  # every run
+        sweep(case, {"seed": [1, 2]}, programs=dies, jobs=2)  # every run dies
     (case.parent / "mine.py").write_text(
         "import os\nfrom dataclasses import dataclass\n\n\n@dataclass\nclass Settings:\n    work: str\n\n\n"
         "def main(dsp, settings):\n    dsp.compute(100)\n    settings.work == 'die' and os._exit(3)\n"

@@ -277,7 +277,7 @@ def test_a_case_runs_in_a_repository_with_its_own_firmware_package(installed: Pa
 
 
 def test_a_shipped_case_has_the_same_figures_and_places(installed: Path, repository: Path) -> None:
-    """Lints read the firmware's source and name its lines."""
+    """Lints name the lines of the firmware."""
     case = ("timing", "imu_hil_no_sdir.toml")
     printed = []
     for site, examples in ((ROOT, ROOT), (installed, installed / "periph_sim" / "examples")):

@@ -329,7 +329,7 @@ def ended_after(seconds: float, end: Callable[[], object]) -> Iterator[None]:
 def test_an_address_without_a_scheduler_is_an_error(
     case: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nothing listens at the address, or a server that never answers, or the address has no port."""
+    """Nothing listens at the address, or a server never answers, or the address has no port."""
     monkeypatch.setattr(of, "CONNECT", 0.3)
     with socket.create_server(("127.0.0.1", 0)) as server, ended_after(MOST / 3, server.close):
         silent = f"127.0.0.1:{server.getsockname()[1]}"

@@ -124,7 +124,7 @@ def test_a_10_bit_address_is_unknown_after_a_stop(periph_sim: Run, tmp_path: Pat
 
 
 def test_json_has_position_and_duration_of_clock_stretching(periph_sim: Run, tmp_path: Path):
-    """SCL is held in the ACK slot of the address and before the second data byte. The hold before STOP is in none."""
+    """SCL is held in the ACK slot of the address, before the second data byte, and before STOP, which is in no byte."""
     path = wave(tmp_path, "S 10100110: ~400 0: 11+ ~400 22+ ~400 P")
     (message,) = periph_sim("decode", path, "--json").json_object["messages"]
     first, second = message["stretches"]

@@ -79,7 +79,7 @@ def other_address(i2c: Any, dsp: Dsp) -> None:
 
 
 def address_too_late(i2c: Any, dsp: Dsp) -> None:
-    """The address phase takes 95 us and begins 1 ms after main, before I2COAR is written."""
+    """The address phase takes 95 us and begins 1 ms after main; I2COAR is written 1.1 ms after main."""
     i2c.I2COAR.all = 0x51
     dsp.compute(165_000)
     i2c.I2COAR.all = 0x50
@@ -181,8 +181,8 @@ def test_a_nack_to_the_firmware_as_master_is_not_explained_by_its_own_address():
 # Bytes and hangs ---------------------------------------------------------------------
 
 
-def answer_late(i2c: Any, dsp: Dsp) -> None:
-    """The first byte of the second read is over when its next byte is written, which is therefore sent as the third."""
+def answer_wrongly(i2c: Any, dsp: Dsp) -> None:
+    """Answer each read with 1 and 3, where 1 and 2 are expected."""
     i2c.I2CEMDR.BCM = 0
     while True:
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
@@ -194,10 +194,10 @@ def answer_late(i2c: Any, dsp: Dsp) -> None:
 
 
 def test_a_wrong_byte_is_explained_by_the_line_that_wrote_it():
-    one = explained(answer_late, "wrong bytes", READ)
+    one = explained(answer_wrongly, "wrong bytes", READ)
     (shown,) = [step for step in one.chain.steps if step.what.startswith("byte 2: 0x03")]
     assert "written" in shown.what and shown.place is not None
-    assert f"{shown.place.function}:{shown.place.line}" == line_of(answer_late, 6)
+    assert f"{shown.place.function}:{shown.place.line}" == line_of(answer_wrongly, 6)
     assert {(place, value) for (_, _, place), value in one.window.expected.items()} == {(1, 2)}  # byte 1 is correct
 
 
@@ -310,7 +310,7 @@ def test_a_wait_that_an_old_flag_ended_is_explained():
         (other_address, "nacked", READ, {"I2COAR"}, False),  # it does not change in the picture
         (refuse_byte, "count of bus NACK byte", WRITE, {"NACKMOD"}, True),
         (read_nothing, "missed rounds", {"address": 0x50, "write": "01 02 03 04"}, {"RSFULL"}, True),
-        (answer_late, "wrong bytes", READ, {"I2CDXR"}, True),
+        (answer_wrongly, "wrong bytes", READ, {"I2CDXR"}, True),
         (reset_in_read, "wrong bytes", READ, {"I2CDXR", "IRS"}, True),
     ],
 )

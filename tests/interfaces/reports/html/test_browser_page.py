@@ -29,7 +29,7 @@ def waves(at: int = 12_345 * US) -> Timeline:
 
 
 def broken(name: str = "late") -> BudgetReport:
-    """Return a budget with violations of 30 us at 2 ms, 40 us (the worst) at 4 ms and 20 us at 5 ms; the last has no waves."""
+    """Return a budget broken by 30 us at 2 ms, 40 us (the worst) at 4 ms and 20 us at 5 ms; the last has no waves."""
     one = budget(name, 40.0, timeline=waves(4 * MS))
     return replace(
         one,

@@ -81,9 +81,6 @@ class Covered(Struct):
         self.reasons = other.reasons | self.reasons
         self.runs += other.runs
 
-    def without_held(self) -> Covered:
-        return Covered([], self.failed, self.drifting, self.worst, self.judged, self.reasons, self.runs)
-
     def judge(self, new: Worst) -> None:
         """Store a new value of a budget in place of the stored one if the new value is worse.
 

@@ -1,6 +1,6 @@
 """The file of a coverage: coverage/NAME.json beside the case, with the results and everything they depend on.
 
-    Covered, Window --write--> file --read--> the same results, for other commands, or to continue a coverage
+    Covered, Window --text_of--> file --read--> the same results, for other commands, or to continue a coverage
 
 The phases of a coverage are run in parts. If a file does not have the results of all parts, the coverage was stopped
 and can be continued.
@@ -10,17 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from hashlib import blake2b
-from pathlib import Path
-from typing import Literal
+from typing import ClassVar
 
 import msgspec
 
-from . import saved_file
 from .cover import Covered, Window
-from .dependencies import Dependencies
-from .saved_paths import coverage_path
-
-RENEW = "delete it, and write it again with prove --save"
+from .saved_file import SavedFile
 
 
 class Choice(msgspec.Struct, frozen=True):
@@ -51,7 +46,7 @@ class Choice(msgspec.Struct, frozen=True):
         return f"{phase * self.cycle_ps / 10**9:.7f} ms"
 
 
-class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
+class CoverageFile(SavedFile, frozen=True, kw_only=True):
     """The contents of a coverage file.
 
     case: the name of the case.
@@ -63,10 +58,10 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
         until their ends are found, after all parts are finished.
     """
 
-    version: Literal[1] = 1
+    WHAT: ClassVar[str] = "coverage"
+    RENEW: ClassVar[str] = "delete it, and write it again with prove --save"
     case: str
     choice: Choice
-    dependencies: Dependencies
     finished: int
     parts: int
     run_count: int
@@ -77,11 +72,6 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def is_complete(self) -> bool:
         return self.windows is not None
-
-
-def read(path: Path) -> CoverageFile | None:
-    """Return the contents of a coverage file; None if there is no file. Raise BadSavedFile if it is no coverage."""
-    return saved_file.read(path, CoverageFile, "coverage", RENEW)
 
 
 def digest_of(phases: Sequence[int]) -> str:
@@ -103,11 +93,3 @@ def to_ranges(held: Sequence[int], chosen: Sequence[int]) -> list[tuple[int, int
 def from_ranges(ranges: Sequence[tuple[int, int]], chosen: Sequence[int]) -> list[int]:
     """Return the phases whose indices in `chosen` are in these ranges, which `to_ranges` has returned."""
     return [phase for first, after in ranges for phase in chosen[first:after]]
-
-
-def current(case: Path) -> tuple[CoverageFile, list[str]] | None:
-    """Return the coverage file of a case, with a phrase for each changed dependency; None if there is no file.
-
-    Raise BadSavedFile for a file that cannot be read.
-    """
-    return saved_file.current(read(coverage_path(case)), case)

@@ -71,12 +71,10 @@ class Dependencies(Struct, frozen=True):
             )
         if self.periph_sim != package_digest():
             found.append("periph_sim itself has changed")
-        if self.python != python_version():
-            found.append(f"it was made with Python {self.python}, and this is {python_version()}")
-        for name, there in self.packages.items():
-            here = _version(name)
-            if here != there:
-                found.append(f"it was made with {name} {there}, and this is {here or 'not installed'}")
+        now = {"Python": python_version()} | {name: _version(name) for name in self.packages}
+        for name, there in ({"Python": self.python} | self.packages).items():
+            if now[name] != there:
+                found.append(f"it was made with {name} {there}, and this is {now[name] or 'not installed'}")
         return found
 
     def unread(self, folder: Path) -> list[str]:
@@ -154,7 +152,7 @@ def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
     for path in sorted({_source(_path_of(one)) for one in [*paths, *imported] if isinstance(one, str | Path)}):
         if not os.path.isfile(path):
             continue
-        if _is_library(path):
+        if path.startswith(_libraries()):
             shipped.update({os.path.basename(path)} if path.endswith(SOURCES) else ())
             continue
         digest = _digest_of(Path(path))
@@ -188,14 +186,12 @@ def _source(path: str) -> str:
 
 @lru_cache(maxsize=1)
 def _libraries() -> tuple[str, ...]:
+    """Return the beginnings of the paths of files that are not listed: of Python, packages, and the system."""
     names = ("stdlib", "platstdlib", "purelib", "platlib")
     paths = {sysconfig.get_path(name) for name in names} | {str(PACKAGE)}
-    return tuple(os.path.join(form, "") for path in paths for form in {path, os.path.realpath(path)})
-
-
-def _is_library(path: str) -> bool:
+    libraries = {os.path.join(form, "") for path in paths for form in (path, os.path.realpath(path))}
     compiled = os.path.join(gettempdir(), TEMPORARY)
-    return path.startswith((*_libraries(), compiled, "/proc/", "/sys/", "/dev/"))
+    return (*libraries, compiled, "/proc/", "/sys/", "/dev/")
 
 
 def _version(name: str) -> str:

@@ -120,7 +120,7 @@ def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> Ra
     frame = (cells.first - known.orbits.known[orbit].origin) % cells.period
     delay, scene = pair.run(Task(orbit, Group(None, frame), 0, None)).delay, pair.runner.run.scene
     assert scene.host is not None
-    data, line, bit = scene.host.last_data, UartFormat(), _bit(covered, host.error)
+    data, line, bit = scene.host.last_data, UartFormat(), _exact_bit(covered) / (1 + host.error / 100)
     last = (len(data) - 1) * (line.length + host.gap)
     if not 0 <= delay - (last + line.length - 1) * bit <= 2 * bit:
         raise NotClosed("the interrupt of the SCI is not requested with the last character of a frame")
@@ -149,7 +149,7 @@ def prove_rates(
     frames, groups = ({at: maker.random_groups(at, is_alone) for at in orbits} for is_alone in (True, False))
     tasks = [
         RateTask(
-            _error(maker.covered, bit),
+            (_exact_bit(maker.covered) / bit - 1) * 100,
             starts,
             {orbit: list(islice(found, SOME)) for orbit, found in frames.items()},
             {orbit: list(islice(found, SOME)) for orbit, found in groups.items()},
@@ -167,24 +167,15 @@ def edge_places(data: bytes, gap: Fraction) -> list[Fraction]:
     """Return the places of the edges in a burst of characters, in bits from its start. gap: idle bits between them."""
     line, found = UartFormat(), []
     for number, byte in enumerate(data):
-        begin, level = number * (line.length + gap), 1
-        for place, then in enumerate(line.levels(byte)):
-            if then != level:
-                found.append(begin + place)
-            level = then
+        begin, levels = number * (line.length + gap), [1, *line.levels(byte)]
+        found += [begin + place for place, (before, then) in enumerate(pairwise(levels)) if before != then]
     return found
 
 
-def _bit(covered: CoveredCase, error: Fraction) -> Fraction:
-    """Return the length of a bit in ticks. error: the error of the rate, in percent."""
+def _exact_bit(covered: CoveredCase) -> Fraction:
+    """Return the length of a bit of the host in ticks, if its rate has no error."""
     assert covered.case.host is not None
-    return covered.phases.ticks_per_second / (covered.case.host.baud * (1 + error / 100))
-
-
-def _error(covered: CoveredCase, bit: Fraction) -> Fraction:
-    """Return the error of the rate, in percent, with which a bit has this length in ticks."""
-    assert covered.case.host is not None
-    return (covered.phases.ticks_per_second / (covered.case.host.baud * bit) - 1) * 100
+    return Fraction(covered.phases.ticks_per_second) / covered.case.host.baud
 
 
 def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, seed: int) -> int:

@@ -11,7 +11,7 @@ The choice of phases is not part of any claim: a report states which phases were
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
 from ..core.records import Kind, Record, Recorder
@@ -61,11 +61,8 @@ class Observed:
 
     def near(self, count: int) -> set[int]:
         """Return the phases at which an interrupt of a frame is near a write. count: number of phases of a period."""
-        found: set[int] = set()
-        for write in self.writes:
-            for delay in self.delays:
-                found.update(at % count for at in range(write - BEFORE - delay, write + AFTER + 1 - delay))
-        return found
+        middles = [write - delay for write in self.writes for delay in self.delays]
+        return {at % count for middle in middles for at in range(middle - BEFORE, middle + AFTER + 1)}
 
 
 def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> tuple[list[int], int]:
@@ -78,10 +75,9 @@ def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> t
     bounds: the first and the last phase that may be run. Both are chosen.
     """
     first, last = bounds
-    near: Iterable[int] = ()
+    near: set[int] = set()
     if step > 1 and covered.phases.is_relative:
-        near = (phase for phase in Observed(covered).near(covered.phases.count) if first <= phase <= last)
-    near = set(near)
+        near = {phase for phase in Observed(covered).near(covered.phases.count) if first <= phase <= last}
     if len(near) > MAX_NEAR:
         near = set()
     return sorted({*near, *range(first, last + 1, step), last}), len(near)

@@ -8,24 +8,21 @@ Only closed tables are saved. A proof holds for the case as it was then: if a de
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar
 
-from msgspec import Meta, Struct
+from msgspec import Meta
 
 from ..core.phrases import counted
 from ..timing.verdict import NOT_JUDGED
-from . import saved_file
 from .closed_table import milliseconds, starts_text
 from .dependencies import Dependencies
-from .saved_paths import proof_path
+from .saved_file import SavedFile
 from .table_proof import TableProof, WorstRun
 
-RENEW = "write it again with prove --table --save"
 TOO_LITTLE = "too little was measured to judge it"
 
 
-class ProofFile(Struct, frozen=True, kw_only=True):
+class ProofFile(SavedFile, frozen=True, kw_only=True):
     """The contents of a proof file.
 
     case: the name of the case.
@@ -46,7 +43,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     not_proven: a dictionary from each other budget of the case to the reason.
     """
 
-    version: Literal[1] = 1
+    WHAT: ClassVar[str] = "proof"
+    RENEW: ClassVar[str] = "write it again with prove --table --save"
     case: str
     moved: str
     ticks_per_second: Annotated[int, Meta(ge=1)]
@@ -62,7 +60,6 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     again: int
     proven: dict[str, WorstRun]
     not_proven: dict[str, str]
-    dependencies: Dependencies
 
     @property
     def command(self) -> str:
@@ -120,16 +117,3 @@ def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
         not_proven=not_proven,
         dependencies=dependencies,
     )
-
-
-def read(path: Path) -> ProofFile | None:
-    """Return the contents of a proof file; None if there is no file. Raise BadSavedFile if it is no proof."""
-    return saved_file.read(path, ProofFile, "proof", RENEW)
-
-
-def current(case: Path) -> tuple[ProofFile, list[str]] | None:
-    """Return the proof file of a case, with a phrase for each changed dependency; None if there is no file.
-
-    Raise BadSavedFile for a file that cannot be read.
-    """
-    return saved_file.current(read(proof_path(case)), case)

@@ -145,12 +145,22 @@ class CoveredCase:
         """Return a scene, not yet run, in which the moved starts have these phases."""
         return self.scene_of(*self.phases.inputs(phases), seed)
 
-    def scene_of(self, inputs: InputsTable, duration: Fraction, seed: int, subscribe: Subscribe | None = None) -> Scene:
-        """Return a scene, not yet run, with these starts and this duration in seconds. subscribe: as for `Scene`."""
+    def scene_of(
+        self,
+        inputs: InputsTable,
+        duration: Fraction,
+        seed: int,
+        subscribe: Subscribe | None = None,
+        keep_values: bool = False,
+    ) -> Scene:
+        """Return a scene, not yet run, with these starts and this duration in seconds.
+
+        subscribe, keep_values: as for `Scene`.
+        """
         costs = {} if self.case.inputs is None else self.case.inputs.costs
         inputs = inputs.model_copy(update={"costs": costs})
         case = self.case.model_copy(update={"inputs": inputs, "duration": duration, "seed": seed})
-        return Scene(ScenePlan(case, self._plan), subscribe)
+        return Scene(ScenePlan(case, self._plan), subscribe, keep_values=keep_values)
 
     def free_scene(self, listener: Listener, keep_values: bool, on_request: RecordCallback | None = None) -> Scene:
         """Return a scene, not yet run, in which no start that can move is scheduled.
@@ -160,15 +170,15 @@ class CoveredCase:
         on_request: receives the records of the PIE's request flags.
         """
         frames, rounds = (None if table is None else () for table in (self.case.host, self.case.controller))
-        case = self.case.model_copy(update={"inputs": InputsTable(frames=frames, rounds=rounds)})
-        flags = [f"{unit}.PIE.{register.name}" for unit in case.unit for register in PIEIFR]
+        flags = [f"{unit}.PIE.{register.name}" for unit in self.case.unit for register in PIEIFR]
 
         def subscribe(recorder: Recorder, _: Timebase) -> None:
             recorder.subscribe([Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME], listener)
             if on_request is not None:
                 recorder.subscribe([Kind.FLAG], on_request, {Kind.FLAG: flags})
 
-        return Scene(ScenePlan(case, self._plan), subscribe, keep_values=keep_values)
+        inputs = InputsTable(frames=frames, rounds=rounds)
+        return self.scene_of(inputs, self.case.duration, self.case.seed, subscribe, keep_values)
 
     def looks_back(self) -> dict[str, set[str]]:
         """Return a dictionary from each covered budget to the ranges on which its values depend (`Measure.looks_back`).

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.proof.cover import Drifting, Window, nothing
-from periph_sim.proof.coverage_file import Choice, CoverageFile, from_ranges, read, to_ranges
+from periph_sim.proof.coverage_file import Choice, CoverageFile, from_ranges, to_ranges
 from periph_sim.proof.dependencies import Dependencies, dependencies
 from periph_sim.proof.saved_file import text_of
 
@@ -47,7 +47,7 @@ def a_file(failures: list[str]) -> CoverageFile:
 def test_a_file_with_failures_is_read_as_it_was_written_and_has_one_text(tmp_path: Path):
     names = ["stuck", "response", "data age"]
     (tmp_path / "one.json").write_text(text_of(a_file(names)), encoding="utf-8")
-    assert read(tmp_path / "one.json") == a_file(names)
+    assert CoverageFile.read(tmp_path / "one.json") == a_file(names)
     assert text_of(a_file(names)) == text_of(a_file(names[::-1]))
     assert text_of(a_file(names)).index('"data age"') < text_of(a_file(names)).index('"response"')
 

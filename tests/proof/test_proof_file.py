@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from periph_sim.proof.proof_file import ProofFile, current, read
+from periph_sim.proof.proof_file import ProofFile
 from periph_sim.proof.saved_file import BadSavedFile, text_of
 from periph_sim.proof.saved_paths import proof_path
 from periph_sim.proof.stretch import PERCENTILE, CoveredCase, Job
@@ -46,7 +46,7 @@ def test_the_command_that_renews_a_proof_has_its_ranges(desk: tuple[Path, ProofF
 
 def test_a_proof_is_read_as_it_was_written(desk: tuple[Path, ProofFile]):
     case, proof = desk
-    assert current(case) == (proof, [])
+    assert ProofFile.current(proof_path(case), case) == (proof, [])
     assert text_of(proof) == proof_path(case).read_text(encoding="utf-8")
 
 
@@ -67,7 +67,7 @@ def test_a_changed_file_ends_a_proof(name: str, desk: tuple[Path, ProofFile]):
     before = file.read_bytes()
     try:
         file.write_bytes(before + b"\n")
-        assert current(case) == (proof, [f"{name} has changed"])
+        assert ProofFile.current(proof_path(case), case) == (proof, [f"{name} has changed"])
     finally:
         file.write_bytes(before)
 
@@ -77,7 +77,7 @@ def test_a_copied_proof_is_of_the_case_from_which_it_was_copied(desk: tuple[Path
     other = case.with_stem("other")
     other.write_bytes(case.read_bytes())
     proof_path(other).write_bytes(proof_path(case).read_bytes())
-    assert current(other) == (proof, ["it belongs to another case file than other.toml"])
+    assert ProofFile.current(proof_path(other), other) == (proof, ["it belongs to another case file than other.toml"])
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"version": 2}', "not JSON", "\0"])
@@ -85,8 +85,9 @@ def test_a_file_that_is_not_a_proof_is_refused(text: str, tmp_path: Path):
     path = tmp_path / "slave.json"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadSavedFile, match=r"is no proof of this version of periph-sim .*; write it again with prove"):
-        read(path)
+        ProofFile.read(path)
 
 
 def test_a_case_without_a_saved_proof_has_none(tmp_path: Path):
-    assert current(tmp_path / "slave.toml") is None
+    case = tmp_path / "slave.toml"
+    assert ProofFile.current(proof_path(case), case) is None

@@ -128,7 +128,7 @@ def prove(
     (with --table: is proven; with --questions: with every answer); 1: otherwise; 2: the command was stopped (results
     so far are shown, except with --table), or a file could not be written.
     """
-    from ...proof import coverage_file
+    from ...proof.coverage_file import CoverageFile
     from ...proof.saved_paths import coverage_path, proof_path
     from ...proof.stretch import CoveredCase, Job
     from ..reports.certain_failure import certain_failures
@@ -169,7 +169,7 @@ def prove(
             _check_writable(path)
         job = Job(str(case), changes, start_up, rounds)
         found = choose(job, step, None if only is None else _between(only))
-        saved = None if path is None else coverage_file.read(path)
+        saved = None if path is None else CoverageFile.read(path)
         if saved is not None and not found.continue_from(saved) and saved.is_complete:
             click.echo(f"{path} has a coverage of other phases or files, which a complete one replaces", err=True)
         click.echo(_announcement(found), err=True)

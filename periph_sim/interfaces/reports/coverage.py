@@ -18,6 +18,8 @@ from fractions import Fraction
 from pathlib import Path
 from time import monotonic, process_time
 
+from msgspec.structs import replace
+
 from ...proof import coverage_file
 from ...proof.cover import Covered, Coverer, Window, cover_part, joined_at_end, nothing, windows_of
 from ...proof.coverage_file import Choice, CoverageFile
@@ -87,7 +89,7 @@ class Coverage:
             parts=len(self.parts),
             run_count=self.run_count,
             held=ranges,
-            found=self.found.without_held(),
+            found=replace(self.found, held=[]),
             windows=self.windows if self.is_complete else None,
         )
 
@@ -192,7 +194,7 @@ def save(coverage: Coverage, path: Path) -> None:
 
 def _has_complete_coverage(path: Path) -> bool:
     try:
-        there = coverage_file.read(path)
+        there = CoverageFile.read(path)
     except BadSavedFile:
         return False
     return there is not None and there.is_complete

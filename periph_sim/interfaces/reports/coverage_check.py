@@ -18,7 +18,7 @@ from msgspec.structs import replace
 
 from ...core.phrases import counted
 from ...core.tolerance import Cycles, Tolerance, in_seconds
-from ...proof.coverage_file import CoverageFile, current
+from ...proof.coverage_file import CoverageFile
 from ...proof.saved_file import BadSavedFile
 from ...proof.saved_paths import coverage_path
 from ...proof.stretch import STUCK, CoveredCase, Job
@@ -69,7 +69,7 @@ def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | T
     """
     path = coverage_path(case)
     try:
-        found = current(case)
+        found = CoverageFile.current(path, case)
     except BadSavedFile as error:
         return without_runs(path, "unreadable", str(error))
     if found is None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from ...proof.coverage_file import Choice, CoverageFile, current
+from ...proof.coverage_file import Choice, CoverageFile
 from ...proof.saved_file import BadSavedFile
 from ...proof.saved_paths import coverage_path
 from ...timing.verdict import Verdict
@@ -32,11 +32,12 @@ def phases_report(case: Path) -> PhasesReport | None:
 
     If the file cannot be read, the summary has only a line with the reason.
     """
+    path = coverage_path(case)
     try:
-        found = current(case)
+        found = CoverageFile.current(path, case)
     except BadSavedFile as error:
         return PhasesReport(str(error), "", {})
-    return None if found is None else report_of(coverage_path(case), *found)
+    return None if found is None else report_of(path, *found)
 
 
 def report_of(path: Path, file: CoverageFile, differences: Sequence[str]) -> PhasesReport:

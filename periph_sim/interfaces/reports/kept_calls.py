@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from hashlib import blake2b
 from pathlib import Path
 from time import monotonic
-from typing import Literal, get_type_hints
+from typing import ClassVar, get_type_hints
 
 import msgspec
 
-from ...proof import saved_file
 from ...proof.calls import CallAll, T, Ts
 from ...proof.dependencies import Dependencies
+from ...proof.saved_file import BadSavedFile, SavedFile
 from ...proof.saved_paths import unfinished_path
 from ...proof.stretch import Job
 from ...traces.formats import atomic_write
@@ -27,15 +27,15 @@ from .coverage import SAVED_EVERY
 ANEW = "the table is made anew"
 
 
-class UnfinishedTable(msgspec.Struct, frozen=True, kw_only=True):
+class UnfinishedTable(SavedFile, frozen=True, kw_only=True):
     """The contents of the file.
 
     results: a dictionary from the digest of each finished call to its result, in MessagePack.
     digest: the digest of `results`.
     """
 
-    version: Literal[1] = 1
-    dependencies: Dependencies
+    WHAT: ClassVar[str] = "unfinished table"
+    RENEW: ClassVar[str] = ANEW
     results: dict[str, bytes]
     digest: str
 
@@ -54,8 +54,8 @@ class KeptCalls:
         self._results: dict[str, bytes] = {}
         self._saved_at = monotonic()
         try:
-            found = saved_file.current(saved_file.read(self.path, UnfinishedTable, "unfinished table", ANEW), case)
-        except saved_file.BadSavedFile as error:
+            found = UnfinishedTable.current(self.path, case)
+        except BadSavedFile as error:
             self.note = str(error)
             return
         if found is not None:

@@ -56,13 +56,13 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
     path = proof_path(case)
     if not path.exists():
         return ProofReport("", otherwise=f"there is no {path.as_posix()}; prove --table --save writes it")
-    from ...proof.proof_file import current  # imported here, because few cases have a proof
+    from ...proof.proof_file import ProofFile  # imported here, because few cases have a proof
     from ...proof.saved_file import BadSavedFile
 
     if changes:
         return ProofReport("", otherwise=f"{path.as_posix()} holds for the unchanged case only")
     try:
-        found = current(case)
+        found = ProofFile.current(path, case)
     except BadSavedFile as error:
         return ProofReport(str(error), otherwise=str(error))
     if found is None:  # the file was removed after `exists` was called

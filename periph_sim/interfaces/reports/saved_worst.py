@@ -10,9 +10,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from ...proof import coverage_file, proof_file
 from ...proof.cover import Worst
-from ...proof.coverage_file import Choice
+from ...proof.coverage_file import Choice, CoverageFile
 from ...proof.proof_file import ProofFile
 from ...proof.saved_paths import coverage_path, proof_path
 from ...proof.stretch import CoveredCase, Job
@@ -45,7 +44,8 @@ def saved_worst(case: Path, verdicts: Sequence[Verdict]) -> dict[str, SavedWorst
 
     Raise BadSavedFile if a file cannot be read.
     """
-    coverage, proof = coverage_file.current(case), proof_file.current(case)
+    coverage = CoverageFile.current(coverage_path(case), case)
+    proof = ProofFile.current(proof_path(case), case)
     found: dict[str, SavedWorst] = {}
     for one in verdicts:
         nearest = one

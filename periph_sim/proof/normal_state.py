@@ -20,6 +20,7 @@ change what the normal form leaves out, and closed tables (`closed_table`) run e
 from __future__ import annotations
 
 from array import array
+from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from hashlib import blake2b
@@ -30,7 +31,7 @@ from typing import Any, NamedTuple
 
 from ..core.agent import Event
 from ..core.chip import NEVER
-from ..core.snapshot import PLAIN, Collector, Foreign, Module, class_name
+from ..core.snapshot import PLAIN, Collector, Fixed, Foreign, Module, class_name
 from ..core.state import State, Time, state_of
 from ..scene.scene import Scene
 from ..scene.state import modules_of
@@ -52,7 +53,8 @@ class AttributePlan(NamedTuple):
     kind: the name of the class. state: its declared state. normalises: True if it has a method `normal_state`.
     names: the attributes that are stored as they are, if their values are plain.
     values: a function that returns the values of `names` for an object.
-    others: the other attributes that belong to the normal form.
+    others: the other attributes that belong to the normal form. Each has the time of its instants, and is True if it
+        needs `NormalCollector.collect`, False if `NormalCollector._value` is sufficient.
     """
 
     kind: str
@@ -60,7 +62,7 @@ class AttributePlan(NamedTuple):
     normalises: bool
     names: tuple[str, ...]
     values: Callable[[object], Any]
-    others: tuple[str, ...]
+    others: tuple[tuple[str, Time, bool], ...]
 
 
 class NormalCollector(Collector):
@@ -109,15 +111,18 @@ class NormalCollector(Collector):
                     self._value(f"{name}.{attribute}", value, Time.NONE)
                 elif f"{name}.{attribute}" in self._ignored:
                     stored[number + 1] = None
-        state = plan.state
-        for attribute in plan.others:
+        for attribute, time, is_special in plan.others:
             if attribute in instead:
-                self.values[f"{name}.{attribute}"] = instead[attribute]
-            elif hasattr(target, attribute):
-                self.collect(f"{name}.{attribute}", target, attribute, state)
-        for attribute in state.results:
-            if attribute in instead:
-                self.values[f"{name}.{attribute}"] = instead[attribute]
+                continue
+            value: Any = getattr(target, attribute, NOT_SET)
+            if value is NOT_SET:
+                continue
+            if is_special:
+                self.collect(f"{name}.{attribute}", target, attribute, plan.state)
+            else:
+                self._value(f"{name}.{attribute}", value, time)
+        for attribute, value in instead.items():
+            self.values[f"{name}.{attribute}"] = value
 
     def _normalise(self, target: Any) -> None:
         """Call the method `normal_state` of an object, and keep the values that replace those of attributes."""
@@ -142,6 +147,12 @@ class NormalCollector(Collector):
         kind = type(value)
         if kind in PLAIN:  # most values, so this is checked first
             self.values[name] = value if time is Time.NONE else self._relative(value, time)
+        elif id(value) in self._names:
+            self.values[name] = ("reference", self._names[id(value)])
+        elif kind in _plans and not self._in_chain and kind not in self._module.keys:
+            self._names[id(value)] = name
+            self._named.append(value)
+            self.attributes(name, value)
         elif kind is Event and not value.queued:
             self.values[name] = "not queued"
         elif kind is Random:
@@ -151,10 +162,22 @@ class NormalCollector(Collector):
             Collector._value(self, name, value, time)
 
     def _container(self, name: str, value: Any, time: Time) -> None:
-        if isinstance(value, array | bytearray):
-            self.values[name] = (type(value).__name__, blake2b(value, digest_size=DIGEST).digest())
+        kind = type(value)
+        if kind is array or kind is bytearray:
+            self.values[name] = (kind.__name__, blake2b(value, digest_size=DIGEST).digest())
+        elif kind in SEQUENCES and {*map(type, value)} <= PLAIN:
+            items = value if time is Time.NONE else [self._relative(one, time) for one in value]
+            self.values[name] = (kind.__name__, *items)
+        elif kind is dict and not value:
+            self.values[name] = EMPTY
         else:
             Collector._container(self, name, value, time)
+
+    def _relative(self, value: Any, time: Time) -> Any:
+        if type(value) is int and 0 < value < NEVER:  # most instants; others can be special values
+            return value - self.now[time]
+        found = Collector._relative(self, value, time)
+        return tuple(found) if isinstance(found, Fixed) else found
 
     def _on_grid(self, place: str, value: Any, period: Any, time: Time) -> Any:
         if isinstance(value, list):
@@ -187,7 +210,8 @@ def _plan(kind: type, instead: Collection[str]) -> AttributePlan:
     values: Callable[[object], Any] = _no_values
     if plain:
         values = attrgetter(*plain) if len(plain) > 1 else partial(_one_value, plain[0])
-    others = tuple(name for name in counts if name not in plain)
+    special -= {*instead}
+    others = tuple([(name, state.times[name], name in special) for name in counts if name not in plain])
     return AttributePlan(class_name(kind), state, hasattr(kind, "normal_state"), plain, values, others)
 
 
@@ -200,6 +224,9 @@ def _one_value(attribute: str, target: object) -> Any:
 
 
 NOTHING: dict[str, object] = {}
+NOT_SET = object()
+SEQUENCES = (list, tuple, deque)
+EMPTY = ("dict",)
 _plans: dict[object, AttributePlan] = {}  # by the class, or by the class and the names of replaced attributes
 
 

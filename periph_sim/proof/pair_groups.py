@@ -28,7 +28,7 @@ MOST_ORBITS = 24
 EXTERNAL = "an external interrupt is enabled, whose flags could show the line of the frame"
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
 REQUESTS = ("PIEIFR9.INTx1", "PIEIFR9.INTx3", "PIEIFR8.INTx5")  # SCIRXINTA, SCIRXINTB, SCIRXINTC
-PASSES = 8  # a wait must be as before at most this number of passes after a service routine
+PASSES = 4  # a wait must be as before at most this number of passes after a service routine
 
 
 class Group(NamedTuple):

@@ -32,7 +32,7 @@ from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Lease, Spin
 
-FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
+FIRST_EXAMINED = 1  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is not found to be a wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
 FEWEST = 8  # a loop that counts: if fewer passes than this can be skipped, they are executed instead
@@ -65,7 +65,7 @@ class PollSkipper:
 
     STATE = State(
         "asleep tracking clean counting replaying restarts routines changed elsewhere _lease _values "
-        "_failed _compared _branch _outer_branch _passes _next _examine_at _step _period _most _spin",
+        "_failed _branch _outer_branch _passes _next _examine_at _step _period _most _spin",
         cycles="live_from _outer_since began since",
         results="_lease _passes _outer_since since",
         grids={"began": "_period"},
@@ -80,7 +80,6 @@ class PollSkipper:
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
         self._failed: dict[int, int] = {}  # maps the branch that closes a loop to the number of failed analyses
-        self._compared = False  # True if the state at the start of the last pass is known
         self._branch = -1
         self._spin = Spin(0)
         self.forget()
@@ -136,15 +135,16 @@ class PollSkipper:
     def is_repeatable(self) -> bool:
         """Return True, at the start of a pass, if the previous pass was examined and clean.
 
-        The caller then compares the states and calls `repeats`. Otherwise, begin to examine the present pass if the
-        previous pass was not examined, or examine the loop later if the previous pass was not clean.
+        The caller then calls `repeats`. Otherwise, begin to examine the present pass if the previous pass was not
+        examined, or examine the loop later if the previous pass was not clean. In each case, the caller calls
+        `ImageCpu.is_as_before`, which keeps the state for the comparison at the end of the pass.
         """
         if self.tracking and self.clean:
             return True
         if self.tracking:
             self.examine_later()
         else:
-            self._compared = False
+            self.began, self._period = self._time.cycle, 0
             self._begin()
         return False
 
@@ -159,14 +159,13 @@ class PollSkipper:
 
         Call this method if `is_repeatable` is True. as_before: the present result of `ImageCpu.is_as_before`.
         """
-        cycle = self._time.cycle
-        equal: bool
-        period, equal = cycle - self.began, as_before and self._compared
-        seen: bool = equal and period == self._period
-        if self._compared and not equal:
+        if not as_before:
             self.examine_later()
             return False
-        self._compared, self.began, self._period = True, cycle, period if equal else 0
+        cycle = self._time.cycle
+        period = cycle - self.began
+        seen: bool = period == self._period
+        self.began, self._period = cycle, period
         if not seen:
             self._begin()
         return seen

@@ -230,20 +230,21 @@ class ImageProgram(LoadedImage):
         self._counted = self.instructions
         if polls.counting:
             spin = self._sleeps_counting()
-        elif polls.is_repeatable() and polls.repeats(self.cpu.is_as_before()):
+        else:
+            is_repeatable, as_before = polls.is_repeatable(), self.cpu.is_as_before()
+            if not (is_repeatable and polls.repeats(as_before)):
+                if polls.may_count():
+                    program: Any = self  # Any, because compiled code would pass an unbound method of a typed object
+                    over = program.unwatch_instructions
+                    self._counting = CountingLoop(self.cpu, self._processor.time, self._processor.bus.ram, over)
+                    self.watch_instructions(self._counting)
+                return False
             self._counting = None
             if polls.restarts:
                 self._keep_unmodelled(polls.since)
                 polls.examine_later()
                 return False
             spin = polls.sleep()
-        else:
-            if polls.may_count():
-                program: Any = self  # Any, because compiled code would pass an unbound method of a typed object
-                over = program.unwatch_instructions
-                self._counting = CountingLoop(self.cpu, self._processor.time, self._processor.bus.ram, over)
-                self.watch_instructions(self._counting)
-            return False
         if spin is None:
             return False
         self._pass = passed

@@ -17,9 +17,11 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test interpreted core wheel try-core touched coverage explore check bench mutants firmware-mutants setup site clean
 
-# Runs a case with the interpreted sources, and then compiles the core, so that the next run is faster.
+# Runs the reference case, and proves a small image for every start of a round. Both run interpreted, so that the user
+# sees output soon. Then the core is compiled, which makes the next runs faster.
 demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
+	$(BIN)/periph-sim prove timing/variants/image_register_slave.toml --table
 	@$(MAKE) --no-print-directory try-core
 
 # Runs every test once, compiled if there is a C compiler. The check of types uses one CPU, so the core is compiled

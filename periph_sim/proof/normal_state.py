@@ -114,15 +114,15 @@ class NormalCollector(Collector):
         for attribute, time, is_special in plan.others:
             if attribute in instead:
                 continue
-            value: Any = getattr(target, attribute, NOT_SET)
-            if value is NOT_SET:
+            found: Any = getattr(target, attribute, NOT_SET)
+            if found is NOT_SET:
                 continue
             if is_special:
                 self.collect(f"{name}.{attribute}", target, attribute, plan.state)
             else:
-                self._value(f"{name}.{attribute}", value, time)
-        for attribute, value in instead.items():
-            self.values[f"{name}.{attribute}"] = value
+                self._value(f"{name}.{attribute}", found, time)
+        for attribute, other in instead.items():
+            self.values[f"{name}.{attribute}"] = other
 
     def _normalise(self, target: Any) -> None:
         """Call the method `normal_state` of an object, and keep the values that replace those of attributes."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from fractions import Fraction
 
 from ..bus.uart.frame_format import UartFormat
@@ -13,40 +14,53 @@ from .normal_state import LONG_PAST
 
 
 def check(case: Case) -> tuple[str, ...]:
-    """Return the names of attributes of the scene that need not be compared. Raise NotClosed if there can be no table.
+    """Return the names of attributes of the scene that need not be compared.
 
-    The case must not have both rounds and frames.
+    Raise NotClosed, with all reasons, if there can be no table. The case must not have both rounds and frames.
     """
-    if case.controller is not None and case.host is not None:
-        raise NotClosed("rounds and frames start independently of each other")
+    if _is_pair(case):
+        raise NotClosed("; ".join(["rounds and frames start independently of each other", *_reasons(case)]))
     return check_pair(case)
 
 
 def check_pair(case: Case) -> tuple[str, ...]:
     """Do the same as `check`, also for a case in which both rounds and frames start."""
+    reasons = list(_reasons(case))
+    if reasons:
+        raise NotClosed("; ".join(reasons))
+    return ("head._number", "host._number")
+
+
+def _is_pair(case: Case) -> bool:
+    return case.controller is not None and case.host is not None
+
+
+def _reasons(case: Case) -> Iterator[str]:
+    """Yield the reasons why a case can have no table."""
     if len(case.unit) > 1:
-        raise NotClosed("it has more than one unit, and the phases of their clocks are free")
+        yield "it has more than one unit, and the phases of their clocks are free"
     for name, unit in case.unit.items():
-        if not unit.image:
-            raise NotClosed(f"unit {name} runs no image, and other firmware has a part of its state on a stack")
+        if unit.sources:
+            yield f"unit {name} runs C sources, whose times are estimates; compile them for the chip, and give the image"
+        elif not unit.image:
+            yield f"unit {name} runs Python firmware, which has a part of its state on a stack"
         if unit.ppm:
             other = "host" if case.controller is None else "controller"
             why = "so a cycle is not a whole number of ticks; give the difference of the clocks to"
-            raise NotClosed(f"unit.{name}.ppm is not 0, {why} {other}.ppm")
+            yield f"unit.{name}.ppm is not 0, {why} {other}.ppm"
     for table in ("chip", "device", "serial", "fault", "outside", "transceiver", "rounds", "watch"):
         if getattr(case, table):
-            raise NotClosed(f"the state of [{table}] is not compared")
+            yield f"the state of [{table}] is not compared"
     for name, length in _longest(case).items():
         if length * LONG_PAST > 1:
-            raise NotClosed(f"{name} lasts longer than {1000 / LONG_PAST:g} ms, so its effects can outlast a rest")
-    if case.host is not None and case.controller is not None:
+            yield f"{name} lasts longer than {1000 / LONG_PAST:g} ms, so its effects can outlast a rest"
+    if _is_pair(case):
         for name, pins in wiring_of(case).pins.items():
             wire, count = Counter(pins.values()).most_common(1)[0]
             if count > 1:
-                raise NotClosed(f"unit {name} has {count} pins at the wire {wire}, and could see frames at each")
+                yield f"unit {name} has {count} pins at the wire {wire}, and could see frames at each"
     if case.host is not None and case.host.motion.get("kind") != "static":
-        raise NotClosed('the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes')
-    return ("head._number", "host._number")
+        yield 'the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes'
 
 
 def _longest(case: Case) -> dict[str, Fraction]:

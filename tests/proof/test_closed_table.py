@@ -199,7 +199,7 @@ def test_a_phase_that_follows_from_the_rest_of_the_state_can_be_left_out(
         (
             "responder",
             (),
-            "unit dsp runs no image, and other firmware has a part of its state on a stack",
+            "unit dsp runs Python firmware, which has a part of its state on a stack",
         ),
         (
             "variants/image_sci_echo",

@@ -232,7 +232,7 @@ def test_starts_that_are_too_close_are_refused(echo: tuple[Path, Scenarios]):
 
 
 def test_a_case_without_a_table_and_one_that_breaks_a_budget_are_refused(tmp_path: Path):
-    with pytest.raises(BadCase, match=r"^responder has no closed table: unit dsp runs no image"):
+    with pytest.raises(BadCase, match=r"^responder has no closed table: unit dsp runs Python firmware"):
         Scenarios(TIMING / "responder.toml")
     with pytest.raises(BadCase, match=r"^fast_echo: echo failed in a run of its table; "):
         Scenarios(write_echo(tmp_path, 0.2))

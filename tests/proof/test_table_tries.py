@@ -349,6 +349,19 @@ def test_two_units_are_refused(tmp_path: Path):
         check(case.model_copy(update={"unit": {**case.unit, "other": case.unit["dsp"]}}))
 
 
+def test_all_reasons_for_a_refusal_are_named_at_once():
+    case = load(TIMING / "imu_hil_c.toml")
+    with pytest.raises(NotClosed) as refused:
+        check(case)
+    names = [reason.split(",")[0].split(";")[0] for reason in str(refused.value).split("; ")]
+    assert [name for name in names if name.startswith(("rounds", "unit", "the bytes"))] == [
+        "rounds and frames start independently of each other",
+        "unit dsp runs C sources",
+        "unit.dsp.ppm is not 0",
+        "the bytes of the frames differ",
+    ]
+
+
 def test_the_longest_time_for_which_a_controller_waits_is_compared_with_a_rest():
     case = load(SLAVE, ["controller.rate=1 kHz"])
     assert case.controller is not None

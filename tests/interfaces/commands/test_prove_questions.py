@@ -76,7 +76,7 @@ def test_phases_are_run_with_each_answer(periph_sim: Run):
 def test_a_case_without_a_table_is_refused(periph_sim: Run):
     case = str(TIMING / "responder.toml")
     assert periph_sim.refused("prove", case, "--table", "--questions", "--jobs", "1").startswith(
-        f"{case}: it has no closed table: unit dsp runs no image"
+        f"{case}: it has no closed table: unit dsp runs Python firmware"
     )
 
 

@@ -42,7 +42,7 @@ def test_a_table_is_a_row_of_a_case_that_has_one(periph_sim: Run):
     report = periph_sim("trade", slave, *arguments).json_object
     assert report["table"] is None and report["refused"]["table"].startswith("no budget has values: wrong bytes: ")
     report = periph_sim("trade", RESPONDER, *arguments).json_object
-    assert report["table"] is None and report["refused"]["table"].startswith("unit dsp runs no image")
+    assert report["table"] is None and report["refused"]["table"].startswith("unit dsp runs Python firmware")
     assert periph_sim(*QUICK, "--json").json_object["refused"] == {}
 
 

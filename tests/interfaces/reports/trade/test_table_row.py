@@ -80,7 +80,7 @@ def test_a_table_without_a_value_is_refused(tmp_path: Path):
     ("case", "reason"),
     [
         ("variants/image_register_slave", ""),
-        ("responder", "unit dsp runs no image, "),
+        ("responder", "unit dsp runs Python firmware, "),
         ("imu_hil_image", "rounds and frames start independently of each other"),
         ("variants/image_blink", "no start is free"),
     ],

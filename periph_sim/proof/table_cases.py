@@ -41,7 +41,7 @@ def _reasons(case: Case) -> Iterator[str]:
         yield "it has more than one unit, and the phases of their clocks are free"
     for name, unit in case.unit.items():
         if unit.sources:
-            yield f"unit {name} runs C sources, whose times are estimates; compile them for the chip, and give the image"
+            yield f"unit {name} runs C sources, whose times are estimates; build them for the chip, and give the image"
         elif not unit.image:
             yield f"unit {name} runs Python firmware, which has a part of its state on a stack"
         if unit.ppm:

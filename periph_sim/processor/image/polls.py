@@ -65,7 +65,7 @@ class PollSkipper:
 
     STATE = State(
         "asleep tracking clean counting replaying restarts routines changed elsewhere _lease _values "
-        "_failed _branch _outer_branch _passes _next _examine_at _step _period _most _spin",
+        "_failed _compared _branch _outer_branch _passes _next _examine_at _step _period _most _spin",
         cycles="live_from _outer_since began since",
         results="_lease _passes _outer_since since",
         grids={"began": "_period"},
@@ -80,6 +80,7 @@ class PollSkipper:
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
         self._failed: dict[int, int] = {}  # maps the branch that closes a loop to the number of failed analyses
+        self._compared = False  # True if the states at both ends of an examined pass were compared
         self._branch = -1
         self._spin = Spin(0)
         self.forget()
@@ -144,7 +145,7 @@ class PollSkipper:
         if self.tracking:
             self.examine_later()
         else:
-            self.began, self._period = self._time.cycle, 0
+            self._compared, self.began, self._period = False, self._time.cycle, 0
             self._begin()
         return False
 
@@ -159,13 +160,13 @@ class PollSkipper:
 
         Call this method if `is_repeatable` is True. as_before: the present result of `ImageCpu.is_as_before`.
         """
-        if not as_before:
+        if self._compared and not as_before:
             self.examine_later()
             return False
         cycle = self._time.cycle
-        period = cycle - self.began
-        seen: bool = period == self._period
-        self.began, self._period = cycle, period
+        period = cycle - self.began if as_before else 0  # the first examined pass may bring the state that repeats
+        seen: bool = as_before and period == self._period
+        self._compared, self.began, self._period = True, cycle, period
         if not seen:
             self._begin()
         return seen

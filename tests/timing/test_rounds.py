@@ -165,12 +165,12 @@ class Ran:
             scene.head.on_round.append(self.rounds.append)
             scene.head.on_transfer.append(self.transfers.append)
             scene.head.on_missed.append(self.missed.append)
-        self.heard: list[Round] = []
-        self.seen: list[Transfer] = []
-        self.not_begun: list[int] = []
-        scene.on_round(self.heard.append)
-        scene.on_transfer(self.seen.append)
-        scene.bus.rounds.on_missed.append(self.not_begun.append)
+        self.rounds_on_bus: list[Round] = []
+        self.transfers_on_bus: list[Transfer] = []
+        self.missed_on_bus: list[int] = []
+        scene.on_round(self.rounds_on_bus.append)
+        scene.on_transfer(self.transfers_on_bus.append)
+        scene.bus.rounds.on_missed.append(self.missed_on_bus.append)
         self.result = scene.run(Fraction(seconds))
 
     def values(self, name: str) -> list[tuple[int, int]]:
@@ -207,9 +207,11 @@ def summary(transfer: Transfer) -> tuple[object, ...]:
 def test_rounds_from_the_bus_are_those_of_the_controller(place: int):
     """In these scenes, the controller is delayed, clears the bus, and has to ignore clocks of other parties."""
     run = ran(place)
-    assert len(run.rounds) >= 9 and [summary(t) for t in run.seen] == [summary(t) for t in run.transfers]
-    assert run.heard == [Round(n, r.due, r.start, r.end, r.nacked, r.transfers) for n, r in enumerate(run.rounds, 1)]
-    assert run.not_begun == run.missed
+    assert len(run.rounds) >= 9 and [summary(t) for t in run.transfers_on_bus] == [summary(t) for t in run.transfers]
+    assert run.rounds_on_bus == [
+        Round(n, r.due, r.start, r.end, r.nacked, r.transfers) for n, r in enumerate(run.rounds, 1)
+    ]
+    assert run.missed_on_bus == run.missed
 
 
 def lows(records: list[Record], held_by: Callable[[str], bool]) -> list[tuple[int, int]]:

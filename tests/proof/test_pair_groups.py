@@ -130,6 +130,24 @@ def test_a_group_without_one_service_routine_for_each_frame_is_refused(group: Gr
         runner.run_group(group)
 
 
+def test_a_frame_that_the_firmware_notices_in_another_way_is_refused():
+    runner = Invented()
+    runner.records.noticed = "it sends"
+    with pytest.raises(NotClosed, match="notices more of a frame than its service routine: it sends"):
+        runner.check_frame(is_sent=True)
+
+
+@pytest.mark.parametrize(
+    ("asleep", "most", "found"), [(True, NEVER, (7, 10, ())), (True, 9, None), (False, NEVER, None)]
+)
+def test_a_wait_has_passes_without_limit(asleep: bool, most: int, found: Asleep | None):
+    """A wait whose number of passes is limited ends by itself."""
+    runner = Repeating((), ())
+    state = {"_most": most, "_period": 10, "_spin": ()}
+    runner._polls = SimpleNamespace(normal_state=lambda cycle, tick: state, asleep=asleep, began=7)
+    assert runner._asleep() == found
+
+
 def test_the_request_of_a_frame_is_the_last_rise_of_a_flag_of_a_receiver():
     requested = [0]
     for tick, what, value in (
@@ -210,7 +228,7 @@ def test_an_orbit_has_the_states_of_one_period_and_the_place_of_the_first_one(pe
     [
         (range(11), range(8), "is not"),
         (range(5), range(4), "the states of rest have different periods"),  # each state is there twice
-        ([0, 1, 2, 0, 3, 4, 5, 6], range(8), "the states of rest have different periods"),
+        (range(20), range(8), "the states of rest have different periods"),  # those of a known orbit repeat after 10
         ([*range(39), 0], range(8), "the states of rest have different periods"),  # the own states repeat after 39
     ],
 )
@@ -218,7 +236,7 @@ def test_states_that_do_not_repeat_with_the_periods_of_the_clocks_are_refused(
     own: Sequence[int], sci: Sequence[int], reason: str, periods: dict[str, int]
 ):
     runner = Repeating(own, sci)
-    runner.orbits.own = 10 if len(own) == 8 else 0  # a known orbit
+    runner.orbits.own = 10 if len(own) == 20 else 0
     with pytest.raises(NotClosed, match=reason):
         runner.place()
 

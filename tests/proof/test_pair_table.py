@@ -444,12 +444,12 @@ def test_a_frame_in_the_middle_of_a_sample_with_another_effect_is_noticed(
 
 
 def test_frames_in_the_last_tick_of_a_sample_are_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """They have another effect, alone, or only within a wait."""
+    """They have another effect if they are alone, or if they are not."""
     monkeypatch.setattr(PairMaker, "_again", lambda maker: None)
-    for wait in ((), (None,)):
+    for is_alone in (True, False):
 
-        def run_of(task: Task, other: tuple[None, ...] = wait) -> GroupRun:
-            return LIKE._replace(delay=int(task.offset == SAMPLE - 1 and task.sleep not in other))
+        def run_of(task: Task, alone: bool = is_alone) -> GroupRun:
+            return LIKE._replace(delay=int(task.offset == SAMPLE - 1 and (task.group.round is None) == alone))
 
         with pytest.raises(NotClosed, match="two runs of one meeting differ"):
             invented(tmp_path, monkeypatch, run_of).make()

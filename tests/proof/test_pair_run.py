@@ -78,13 +78,16 @@ def test_the_measures_rest_after_a_round_a_frame_or_both(monkeypatch: pytest.Mon
     """A frame can lead to records of the firmware before the next START, so only the bus is idle until then."""
     after_start: list[list[Kind]] = []
     rests: list[tuple[int, list[str]]] = []
-    measures = SimpleNamespace(rest=lambda now, starts: rests.append((now, [*starts])))
+    measures = SimpleNamespace(spanning={"long"}, lacking={"few"}, empty=set())
+    measures.rest, measures.finish = lambda now, starts: rests.append((now, [*starts])), lambda verdicts: None
     monkeypatch.setattr(pair_run, "MeasuresAtRest", lambda _, kinds: after_start.append(kinds) or measures)
-    run = SimpleNamespace(scene=SimpleNamespace(limits=[], start=0), now=5, frames=[], rounds=[])
+    run = SimpleNamespace(scene=SimpleNamespace(limits=[], start=0), now=5, frames=[], rounds=[], data_use="")
     runner: Any = SimpleNamespace(at=(0, 0), run=run, run_group=lambda *_: GroupRun(0, 0, 0, 0, 0, 0, True))
     monkeypatch.setattr(pair_run, "GroupRunner", lambda *_: runner)
-    covered: Any = SimpleNamespace()
+    covered: Any = SimpleNamespace(finish=lambda scene: Outcome((), frozenset()), unknowns=set())
     pair = PairRun(covered, (), Known(Orbits(), None, {}))
     pair.run_all([Task(0, group, 0, None) for group in (Group(0, None), Group(None, 0), Group(0, 0))])
     assert rests == [(5, ["rounds", "frames"]), (5, ["rounds"]), (5, ["frames"]), (5, ["rounds", "frames"])]
     assert after_start == [[Kind.BUS]]
+    pair.end()
+    assert (pair.done.spanning, pair.done.lacking) == ({"long"}, {"few"})

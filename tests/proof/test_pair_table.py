@@ -16,6 +16,7 @@ from types import SimpleNamespace
 from weakref import ref
 
 import pytest
+from msgspec import structs
 
 from periph_sim import form
 from periph_sim.core.chip import NEVER
@@ -144,6 +145,8 @@ def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: Tabl
         ('controller.filter="52 ns"', (0, 1, 2, 3, 4, 5, 6, 7, 8, 9)),
         ('controller.gap="51 ns"', tuple(range(10))),
         ("controller.ppm=-400", tuple(range(10))),  # SCL is low for 1251 ticks
+        ('controller.stuck_after="25.000051 ms"', tuple(range(10))),
+        ('controller.clear_after="25.000051 ms"', tuple(range(10))),
     ],
 )
 def test_offsets_of_rounds_that_represent_all_ticks_of_a_cycle(change: str, offsets: tuple[int, ...], tmp_path: Path):
@@ -363,10 +366,12 @@ LIKE = GroupRun(0, 0, 0, 0, 0, 1000, True)
 NOTHING_FAILED = Outcome((), frozenset())
 
 
-def invented(folder: Path, monkeypatch: pytest.MonkeyPatch, run_of: Callable[[Task], GroupRun]) -> PairMaker:
+def invented(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, run_of: Callable[[Task], GroupRun], orbits: Sequence[Orbit] = ()
+) -> PairMaker:
     """Return a maker, after `explore`, with one orbit of 400 ticks, in which a wait lasts for ever.
 
-    run_of: returns the run of a group.
+    run_of: returns the run of a group. orbits: further orbits, which the calls find.
     """
     maker = maker_of(Job(str(write_lonely(folder))))
     maker._cycle, maker._frames, maker._places, maker.long = 10, Cells(0, SAMPLE, 250, 400), (0,), 7
@@ -375,7 +380,7 @@ def invented(folder: Path, monkeypatch: pytest.MonkeyPatch, run_of: Callable[[Ta
 
     def call_all(work: object, calls: Sequence[tuple[Job, object, Known, list[Task]]]) -> Iterator[Done]:
         for *_, tasks in calls:
-            yield done_of([run_of(task) for task in tasks])
+            yield structs.replace(done_of([run_of(task) for task in tasks]), orbits=[*orbits])
 
     monkeypatch.setattr(pair_table, "PairRun", lambda *_: SimpleNamespace(end=lambda: None, done=done_of([])))
     monkeypatch.setattr(maker, "_call_all", call_all)
@@ -387,6 +392,20 @@ def invented(folder: Path, monkeypatch: pytest.MonkeyPatch, run_of: Callable[[Ta
 
 def done_of(runs: list[GroupRun]) -> Done:
     return Done(1, runs, [], [NOTHING_FAILED], [[]], [[]], 0, set(), set(), set(), set())
+
+
+def test_an_orbit_that_is_found_while_another_is_closed_is_closed_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """One meeting of the first orbit leads to the second one, and all others to the first one."""
+    new = Orbit(tuple(bytes([number, 1]) for number in range(40)), 0)
+    maker = invented(
+        tmp_path, monkeypatch, lambda task: LIKE._replace(after=int((task.orbit, task.group.round) == (0, 50))), [new]
+    )
+    maker._least_again = 1
+    table = maker.make()
+    of_orbits = [{group for orbit, group in maker.runs if orbit == number} for number in (0, 1)]
+    assert of_orbits[0] == of_orbits[1] and table.orbits == [1060, 1060]
+    assert table.entries == len(maker.runs) == 230
+    assert table.again == 230 // pair_table.REVISITED
 
 
 def test_groups_at_the_ends_of_cells_that_differ_are_in_no_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

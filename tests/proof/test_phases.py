@@ -131,7 +131,8 @@ def test_the_phases_between_two_times_lie_between_them(one: Fraction, two: Fract
         assert last - first < found.seconds(1) or first > found.seconds(found.count - 1)
         return
     assert found.seconds(low - 1) < first <= found.seconds(low)
-    assert found.seconds(high) <= last < found.seconds(high + 1) or high == found.count - 1
+    assert found.seconds(high) <= last and high < found.count
+    assert last < found.seconds(high + 1) or high == found.count - 1
 
 
 def test_the_least_distance_of_starts_is_a_period_without_jitter_and_with_a_fast_clock() -> None:

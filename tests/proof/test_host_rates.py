@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import floor
@@ -20,10 +20,11 @@ from periph_sim.core.records import Kind
 from periph_sim.proof import host_rates, pair_table, table_proof
 from periph_sim.proof.calls import call_here
 from periph_sim.proof.free_run import NotClosed
-from periph_sim.proof.host_rates import RatePlan, edge_places, plan_rates, prove_rates, rate_runs, run_rate
-from periph_sim.proof.pair_groups import Group
-from periph_sim.proof.pair_table import PairMaker
-from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.proof.host_rates import RatePlan, RateTask, edge_places, plan_rates, prove_rates, rate_runs, run_rate
+from periph_sim.proof.pair_groups import Cells, Group, GroupRun, Orbit, Orbits
+from periph_sim.proof.pair_run import Known, Task
+from periph_sim.proof.pair_table import KnownGroup, PairMaker
+from periph_sim.proof.stretch import CoveredCase, Job, Outcome
 from periph_sim.proof.table_cases import check_pair
 from periph_sim.proof.table_proof import prove
 from periph_sim.scene.case.model import BadCase
@@ -99,6 +100,121 @@ def test_groups_that_are_run_again_are_shared_among_the_rates_with_starts(tmp_pa
     plan = [(Fraction(64), starts) for starts in (((0, 1),), (), ((2, 3), (5, 8)))]
     prove_rates(plan, maker, job, (), 21, lambda work, calls: iter([5, 7, 6]))
     assert (table.again, table.apart) == (3 + 11 + 11, 7 + 1 + 10)
+
+
+# Runs of invented groups -------------------------------------------------------------
+
+TABLE_RUN = GroupRun(0, 0, 0, 0, 500, 1000, True)
+ALONE, MEETING = Group(None, 0), Group(0, 0)
+
+
+class InventedPairs:
+    """Runs of groups whose requests come with the sample after tick 50 of a cell of frames.
+
+    Tests change `delay_of`, the length of meetings, the failures, and the orbits that are found.
+    """
+
+    failures: frozenset[str] = frozenset()
+    finds: tuple[Orbit, ...] = ()
+    longest = 1000
+
+    def __init__(self, covered: CoveredCase, ignored: object, known: Known) -> None:
+        assert covered.case.host is not None
+        self.error, self.known = covered.case.host.error, known
+        self.ran: list[tuple[Group, int]] = []
+        self.runner = SimpleNamespace(at=(0, 0))
+        self.done = SimpleNamespace(outcomes=[Outcome((), self.failures), Outcome((), frozenset())])
+
+    def delay_of(self, group: Group, offset: int) -> int:
+        return 500 + (offset + 30) // 80 * 80
+
+    def run(self, task: Task) -> GroupRun:
+        assert task.orbit == 0 and task.sleep is None
+        self.ran.append((task.group, task.offset))
+        length = 1000 if task.group.round is None else self.longest
+        return TABLE_RUN._replace(delay=self.delay_of(task.group, task.offset), length=length)
+
+    def end(self) -> None:
+        for orbit in self.finds:
+            self.known.orbits.add(orbit)
+
+
+def known_table() -> Known:
+    known = Known(Orbits(), Cells(0, 80, 0, 0), {})
+    known.orbits.add(Orbit((b"a",), 0))
+    return known
+
+
+def rated(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    start: tuple[int, int],
+    kind: type[InventedPairs],
+    known: Known | None = None,
+) -> tuple[int, InventedPairs]:
+    """Run frames that start in this range, and 20 meetings. Return the length of the longest, and the runs."""
+    made: list[InventedPairs] = []
+    monkeypatch.setattr(host_rates, "PairRun", lambda *given: made.append(kind(*given)) or made[-1])
+    frames, groups = ({0: [KnownGroup(0, group, TABLE_RUN)]} for group in (ALONE, MEETING))
+    task = RateTask(Fraction(1, 4), (start,), frames, groups, 20)
+    longest = run_rate(Job(str(write_lonely(folder))), (), known or known_table(), task, 3)
+    return longest, made[0]
+
+
+def test_frames_at_both_ends_of_a_range_of_starts_are_run_as_those_of_the_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Frames that start 60 to 100 ticks after the first tick of a cell are frames of the next one, 20 ticks earlier."""
+
+    class Longer(InventedPairs):
+        longest = 1234
+
+    longest, pairs = rated(tmp_path, monkeypatch, (60, 100), Longer)
+    assert (longest, pairs.error) == (1234, Fraction(1, 4))
+    assert pairs.ran[:3] == [(ALONE, 60), (ALONE, -20), (ALONE, 20)]
+    meetings = pairs.ran[3:]
+    assert len(meetings) == 20 and {group for group, _ in meetings} == {MEETING}
+    assert len({offset for _, offset in meetings}) > 5 and all(-20 <= offset <= 20 for _, offset in meetings)
+
+
+OTHER_FRAME = "a frame has other effects than each frame of the table"
+OTHER_MEETING = "a frame and a round have other effects than those of the table"
+
+
+@pytest.mark.parametrize(
+    ("start", "delay", "reason"),
+    [
+        ((60, 130), lambda group, offset: 500 + (offset + 30) // 80 * 80, OTHER_FRAME),  # two sequences of samples
+        ((60, 100), lambda group, offset: 420 if offset == -20 else 500 + (offset + 30) // 80 * 80, OTHER_FRAME),
+        ((10, 10), lambda group, offset: 500 + offset, OTHER_FRAME),  # no whole number of samples later
+        ((10, 40), lambda group, offset: 500 + 80 * (group == MEETING), OTHER_MEETING),
+    ],
+)
+def test_frames_with_other_effects_are_noticed(
+    start: tuple[int, int], delay: Callable[[Group, int], int], reason: str, tmp_path: Path, monkeypatch: Any
+) -> None:
+    class Other(InventedPairs):
+        def delay_of(self, group: Group, offset: int) -> int:
+            return delay(group, offset)
+
+    with pytest.raises(NotClosed, match=rf"^at a host.error of 0\.25 %, {reason}"):
+        rated(tmp_path, monkeypatch, start, Other)
+
+
+def test_failures_and_further_rests_at_another_rate_are_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Failing(InventedPairs):
+        failures = frozenset({"latency"})
+
+    class Finding(InventedPairs):
+        finds = (Orbit((b"b",), 0),)
+
+    known = known_table()
+    for kind, reason in ((Failing, "a run breaks latency"), (Finding, host_rates.OTHER_REST)):
+        with pytest.raises(NotClosed, match=rf"^at a host.error of 0\.25 %, {reason}"):
+            rated(tmp_path, monkeypatch, (10, 40), kind, known)
+    assert len(known.orbits.known) == 1
 
 
 # Proofs ------------------------------------------------------------------------------

@@ -70,6 +70,8 @@ def test_each_sequence_of_each_rate_and_start_is_run(
         first_runs.add(first_run)
         for begin, end in starts:
             (sequence,) = {samples_of(places, bit, start, sample) for start in range(begin, end + 1)}
+            assert begin == 0 or samples_of(places, bit, begin - 1, sample) != sequence
+            assert end == sample - 1 or samples_of(places, bit, end + 1, sample) != sequence
             assert sequence not in run  # none is run twice
             run.add(sequence)
     others = st.fractions(least, least + more, max_denominator=1000)

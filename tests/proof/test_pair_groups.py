@@ -169,14 +169,14 @@ def test_runs_agree_if_the_rest_that_they_reach_and_what_happens_until_then_are_
 
 
 def test_the_service_routine_of_a_far_frame_is_well_within_the_wait():
-    """It is entered 250 ticks after the first tick of the cell, and left after 400. 8 cycles are 80 ticks."""
-    first, short = Sleep(1000, 5000, 100, ()), Sleep(6000, 7000, 100, ())
-    longer, last = short._replace(end=7110), Sleep(9000, NEVER, 50, ())
+    """It is entered 250 ticks after the first tick of the cell, and left after 400. 8 cycles and 4 passes are kept."""
+    first, short = Sleep(1000, 5000, 100, ()), Sleep(6000, 6700, 100, ())
+    longer, last = short._replace(end=6710), Sleep(9000, NEVER, 50, ())
     found = far_ranges([first, short, longer, last], Cells(0, 80, 250, 400), 10)
     assert found == [
-        (1000 - 250 + 80, 5000 - 400 - 80 - 800, first),
-        (6000 - 250 + 80, 7110 - 400 - 80 - 800, longer),
-        (9000 - 250 + 80, NEVER - 400 - 80 - 400, last),
+        (1000 - 250 + 80, 5000 - 400 - 80 - 400, first),
+        (6000 - 250 + 80, 6710 - 400 - 80 - 400, longer),
+        (9000 - 250 + 80, NEVER - 400 - 80 - 200, last),
     ]
 
 

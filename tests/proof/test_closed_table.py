@@ -7,6 +7,7 @@ echo's wait one of 10, and a cycle has 10 ticks. So a period of the rest has 400
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from fractions import Fraction
 from pathlib import Path
 from random import Random
@@ -16,7 +17,7 @@ from typing import Any
 import pytest
 
 from periph_sim.proof import closed_table, free_run
-from periph_sim.proof.closed_table import Contradiction, StartTable, TableMaker
+from periph_sim.proof.closed_table import Contradiction, RestPlace, StartTable, TableEntry, TableMaker
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.normal_state import NormalState, normal_state
 from periph_sim.proof.stretch import CoveredCase, Job
@@ -152,7 +153,65 @@ def test_the_register_slave_has_a_closed_table(monkeypatch: pytest.MonkeyPatch):
     assert table.not_proven(case, table.apart) == {}
 
 
+@pytest.mark.parametrize("rests_first", [True, False])
+def test_the_least_distance_of_starts_is_a_tick_longer_than_the_longest_round(
+    rests_first: bool, monkeypatch: pytest.MonkeyPatch
+):
+    """The first round of the case is the longest. With a free first start, it is a round like the others."""
+    monkeypatch.setattr(closed_table, "ROUNDS_A_RUN", 3)
+    case = covered(TIMING / "variants" / "image_register_slave.toml", 'controller.first="12 ms"')
+    maker = TableMaker(case, rests_first=rests_first)
+    maker._run(again=0)
+    table, length = maker.table, min(entry.length for entry in maker.entries.values())
+    first = table.first_rest - table.starts[0][0]
+    assert rests_first or first > length
+    assert table.apart == 1 + (length if rests_first else first)
+
+
+def test_budgets_that_do_not_follow_from_single_rounds_of_the_table_are_not_proven():
+    """The first starts of the runs are at ticks 60 and 50."""
+    names = ["proven", "from the first", "late", "long", "few", "far"]
+    looks_back = {name: {"this round"} for name in names} | {"far": {"this round", "the whole run"}}
+    not_before = dict.fromkeys(names, 0) | {"from the first": 50, "late": 51}
+    case: Any = SimpleNamespace(
+        phases=SimpleNamespace(least_distance=lambda within: 100, ticks_per_second=10**9),
+        case=SimpleNamespace(budget=[SimpleNamespace(name=name) for name in names]),
+        not_before=lambda: not_before,
+        looks_back=lambda: looks_back,
+    )
+    table = StartTable([], 0, 0, 100, 0, False, [], [[60], [50]], {"long"}, {"few"})
+    assert table.not_proven(case, 100) == {
+        "late": "its `after` leaves out rounds of the table",
+        "long": "an occurrence of it lasts from one round to the next",
+        "few": "a round has too few measured values, and a run of such rounds is not judged",
+        "far": "its values depend on the whole run",
+    }
+    reason = "the case has starts that are less than 0.0002 ms apart"  # 101 ns
+    assert table.not_proven(case, 101) == dict.fromkeys(names, reason)
+
+
 # States without some parts ---------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("orbit", "tick", "length", "records", "is_like"),
+    [
+        (0, 390, 100, 5, True),
+        (0, 5, 115, 5, True),  # the rest begins 15 ticks later, in a period of 400 ticks
+        (0, 5, 100, 5, False),
+        (0, 390, 115, 5, False),
+        (0, 390, 100, 6, False),
+        (1, 390, 100, 5, False),
+    ],
+)
+def test_two_runs_of_an_entry_end_in_the_same_state(
+    orbit: int, tick: int, length: int, records: int, is_like: bool, tmp_path: Path
+):
+    maker = TableMaker(covered(write_echo(tmp_path)))
+    maker.table.orbits = [PERIOD, PERIOD]
+    entries = TableEntry(RestPlace(0, 390), 100, 5), TableEntry(RestPlace(orbit, tick), length, records)
+    with nullcontext() if is_like else pytest.raises(Contradiction, match="orbit 0, tick 7"):
+        maker._compare(RestPlace(0, 7), *entries)
 
 
 def without(names: Sequence[str]) -> Callable[..., NormalState]:

@@ -80,6 +80,12 @@ def test_each_sequence_of_each_rate_and_start_is_run(
         assert samples_of(places, bit, first, sample) in first_runs
 
 
+def test_the_first_rate_at_which_an_edge_is_a_tick_later_is_run() -> None:
+    """From a bit of 11 ticks on, a frame that starts a tick after a sample has its edge after a further sample."""
+    runs = list(rate_runs([Fraction(0), Fraction(1)], (Fraction(21, 2), Fraction(45, 4)), 2, 0))
+    assert runs == [(Fraction(21, 2), ((0, 1),)), (Fraction(11), ((1, 1),))]
+
+
 @pytest.mark.parametrize("gap", [Fraction(0), Fraction(3), Fraction(1, 3)])
 def test_edges_are_where_the_host_makes_them(gap: Fraction, tmp_path: Path) -> None:
     case = CoveredCase(Job(str(write_lonely(tmp_path)), (f"host.gap={gap}", "host.error=0.5"))).case
@@ -313,6 +319,18 @@ def test_the_range_is_around_the_rate_of_the_case(tmp_path: Path) -> None:
     assert plan[0][0] * Fraction(100_018, 100_000) < plan[-1][0] <= plan[0][0] * Fraction(10_001, 9_999)
 
 
+@compiled_only
+def test_the_place_of_the_first_frame_between_two_samples_depends_on_its_start_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With idle bits between the characters, the last one begins at another place between two samples."""
+    firsts: list[int] = []
+    monkeypatch.setattr(host_rates, "rate_runs", lambda *given: firsts.append(given[3]) or [])
+    for changes in ((), ("host.gap=0.3", 'host.first="9.000007 ms"')):
+        planned(tmp_path, 10, *changes)
+    assert firsts[1] == (firsts[0] + 7) % 80
+
+
 MAIN = "_main:    LCR   #_model\n"
 LOOK = """          MOVW  DP,#GPADAT >> 6
 look:     TBIT  @GPADAT+1,#12
@@ -352,9 +370,12 @@ def test_a_frame_can_start_long_before_or_after_its_cell(tmp_path: Path) -> None
 
 
 @compiled_only
-def test_a_request_with_an_earlier_character_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With characters of nine bits, the last one would begin before the request is over."""
-    monkeypatch.setattr(host_rates, "UartFormat", lambda: UartFormat(bits=7))
+@pytest.mark.parametrize("bits", [7, 9])
+def test_a_request_that_is_not_with_the_last_character_is_refused(
+    bits: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As if a character had 9 or 11 bits in place of 10, so that the request is too late or too early."""
+    monkeypatch.setattr(host_rates, "UartFormat", lambda: UartFormat(bits=bits))
     with pytest.raises(NotClosed, match="not requested with the last character of a frame"):
         planned(tmp_path, 60)
 

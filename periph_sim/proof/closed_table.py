@@ -35,12 +35,10 @@ BOTH = "rounds and frames"  # the word for the starts if both rounds and frames 
 MAX_ENTRIES = 400_000
 ROUNDS_A_RUN = 256  # maximum number of rounds in one run; it is doubled if a run has run no new entry
 MOST_ROUNDS_A_RUN = 2**16
-REVISITED = 20  # one in REVISITED entries is run again, but at least LEAST_REVISITED entries
+REVISITED = 20  # one in REVISITED entries is run again, but normally at least LEAST_REVISITED entries
 LEAST_REVISITED = 200
 TIMED = 20  # the CPU time of the first TIMED entries gives the estimate for all
 LONGER_RESTS = 3  # rests are longer than necessary by a random number of periods below this
-# `Measure.looks_back` has one of these values if a value of the measure depends on records of one round only.
-WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])
 
 
 class Contradiction(Exception):
@@ -117,16 +115,15 @@ class StartTable(Struct):
             reason = f"the case has starts that are less than {least} apart"
             return {budget.name: reason for budget in covered.case.budget}
         not_before, first = covered.not_before(), min(starts[0] for starts in self.starts)
-        for name, looks_back in covered.looks_back().items():
+        for name, further in covered.looks_further().items():
             if name in self.spanning:
                 found[name] = "an occurrence of it lasts from one round to the next"
             elif not_before[name] > first:
                 found[name] = "its `after` leaves out rounds of the table"
             elif name in self.lacking:
                 found[name] = "a round has too few measured values, and a run of such rounds is not judged"
-            elif not looks_back <= WITHIN_ROUND:
-                (further, *_) = sorted(looks_back - WITHIN_ROUND)
-                found[name] = f"its values depend on {further}"
+            elif further:
+                found[name] = f"its values depend on {further[0]}"
         return found
 
 
@@ -156,7 +153,6 @@ class TableMaker:
         self._on_progress = on_progress
         self._on_estimate = on_estimate
         self._on_run = on_run
-        self._rests_first: bool = covered.phases.jitter > 0 if rests_first is None else rests_first
         self._least_again = least_again
         self._timed_from = 0.0  # the CPU time at which the first entry was begun
         self._ignored = check(covered.case)
@@ -166,7 +162,8 @@ class TableMaker:
         self._open: list[list[int]] = []  # for each orbit, the ticks of the entries that were not run yet, ascending
         self.entries: dict[RestPlace, TableEntry] = {}  # by the place at the start of the round
         self.first: TableEntry | None = None  # the first round, equal in all runs; None with `rests_first`
-        self.table = StartTable([], 0, 0, 0, 0, self._rests_first, [], [], set(), set())
+        is_free = covered.phases.jitter > 0 if rests_first is None else rests_first
+        self.table = StartTable([], 0, 0, 0, 0, is_free, [], [], set(), set())
 
     def make(self) -> StartTable:
         """Return the table, once it is closed or a run has failed.
@@ -183,11 +180,9 @@ class TableMaker:
                 self._rounds *= 2
             if self._rounds > MOST_ROUNDS_A_RUN:
                 raise NotClosed(f"a state is only reached after more than {MOST_ROUNDS_A_RUN:,} rounds")
-        wanted = self._revisits(len(self.entries))
-        while table.again < wanted:
+        wanted = revisits(len(self.entries), self._least_again)
+        while table.again < wanted and not table.has_failed:
             self._run(again=wanted)
-            if table.has_failed:
-                return table
         return table
 
     def _run(self, again: int) -> None:
@@ -196,13 +191,13 @@ class TableMaker:
         again: 0 to run entries that were not run yet. Otherwise, random entries are run, until `again` entries of the
             table have been run again.
         """
-        run = FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
+        run = FreeRun(self._covered, self._ignored, self._on_run is not None, self.table.rests_first)
         table = self.table
         measures = MeasuresAtRest(run.scene.limits)
-        measures.rest(run.now, () if self._rests_first else ("rounds",))
+        measures.rest(run.now, () if self.table.rests_first else ("rounds",))
         table.first_rest = run.now - run.scene.start
         place = self._place(run)
-        if not self._rests_first:
+        if not self.table.rests_first:
             table.apart = max(table.apart, table.first_rest - self._starts(run)[0] + 1)
             first = self._starts(run)[0]
             self.first = TableEntry(place, run.now - run.scene.start - first, run.records.digest)
@@ -265,25 +260,21 @@ class TableMaker:
         self.table.entries += 1
         if self.table.entries == TIMED and self._on_estimate is not None:
             entries = self.table.orbits[0]
-            self._on_estimate(entries * (1 + self._rests_first), self._estimate(entries))
+            self._on_estimate(entries * (1 + self.table.rests_first), self._estimate(entries))
         if self._on_progress is not None:
             self._on_progress(self.table.entries / sum(self.table.orbits))
         return after
-
-    def _revisits(self, entries: int) -> int:
-        """Return how many entries of a table with this number of entries are run again."""
-        return max(self._least_again, entries // REVISITED)
 
     def _estimate(self, entries: int) -> float:
         """Return the estimated CPU time in seconds. entries: the number of entries of the first orbit."""
         now = process_time()
         entry = (now - self._timed_from) / TIMED
-        if not self._rests_first:
-            return entry * (entries + self._revisits(entries))
+        if not self.table.rests_first:
+            return entry * (entries + revisits(entries, self._least_again))
         # No round leads back to the first orbit, so each of its entries needs a run of its own. After the rounds, the
         # table has one more orbit, which is assumed to be as long.
-        FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
-        return entry * (2 * entries + self._revisits(2 * entries)) + (process_time() - now) * entries
+        FreeRun(self._covered, self._ignored, self._on_run is not None, self.table.rests_first)
+        return entry * (2 * entries + revisits(2 * entries, self._least_again)) + (process_time() - now) * entries
 
     def _compare(self, at: RestPlace, known: TableEntry, entry: TableEntry) -> None:
         """Raise Contradiction if two runs of an entry differ.
@@ -333,6 +324,11 @@ class TableMaker:
         table.orbits.append(len(keys) * cycle)
         self._open.append(list(range(len(keys) * cycle)))
         self._timed_from = self._timed_from or process_time()
+
+
+def revisits(entries: int, least: int) -> int:
+    """Return how many entries of a table with this number of entries are run again: at least `least`."""
+    return max(least, entries // REVISITED)
 
 
 def starts_text(moved: str, apart: str, any_tick: bool) -> str:

@@ -80,14 +80,11 @@ def digest_of(phases: Sequence[int]) -> str:
 
 def to_ranges(held: Sequence[int], chosen: Sequence[int]) -> list[tuple[int, int]]:
     """Return the indices in `chosen` of the phases in `held`, as ranges (first index, index after the last)."""
-    place = {phase: index for index, phase in enumerate(chosen)}
-    found: list[tuple[int, int]] = []
-    for index in sorted(place[phase] for phase in held if phase in place):
-        if found and found[-1][1] == index:
-            found[-1] = found[-1][0], index + 1
-        else:
-            found.append((index, index + 1))
-    return found
+    there = {*held}
+    indices = {index for index, phase in enumerate(chosen) if phase in there}
+    firsts = sorted(index for index in indices if index - 1 not in indices)
+    afters = sorted(index + 1 for index in indices if index + 1 not in indices)
+    return list(zip(firsts, afters, strict=True))
 
 
 def from_ranges(ranges: Sequence[tuple[int, int]], chosen: Sequence[int]) -> list[int]:

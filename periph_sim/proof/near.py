@@ -14,8 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
-from ..core.records import Kind, Record, Recorder
-from ..core.time import Timebase
+from ..core.records import Kind, Record
 from .stretch import RUN_ERRORS, CoveredCase
 
 BEFORE, AFTER = 400, 60  # limits of "near": an interrupt comes at most 400 cycles before, or 60 cycles after, a write
@@ -40,14 +39,16 @@ class Observed:
     def __init__(self, covered: CoveredCase) -> None:
         phases, count = covered.phases, covered.phases.count
         chosen = [number * count // OBSERVED for number in range(OBSERVED)]
-        self._records: list[Record] = []
-        scene = covered.scene_of(*phases.inputs(chosen), covered.case.seed, self._subscribe)
+        kinds, records = [Kind.ACCESS, Kind.IRQ], list[Record]()
+        scene = covered.scene_of(
+            *phases.inputs(chosen), covered.case.seed, lambda recorder, _: recorder.subscribe(kinds, records.append)
+        )
         with suppress(*RUN_ERRORS):  # an error ends the run; the rounds before it are observed
             scene.run()
         starts = phases.starts([*chosen, chosen[-1]])
         self.writes: set[int] = set()
         entries: list[list[int]] = [[] for _ in chosen]
-        for record in self._records:
+        for record in records:
             number = sum(start <= record.tick for start in starts) - 1
             if record.kind is Kind.ACCESS and record.what.startswith(WRITE) and record.tick >= phases.due(0):
                 self.writes.add(phases.cycles_after_due(record.tick))
@@ -55,9 +56,6 @@ class Observed:
                 entries[number].append((record.tick - starts[number]) // phases.cycle)
         first, *others = [one for one in entries if one] or entries
         self.delays = [one for one in first if all(any(abs(one - each) < SAME for each in other) for other in others)]
-
-    def _subscribe(self, recorder: Recorder, _: Timebase) -> None:
-        recorder.subscribe([Kind.ACCESS, Kind.IRQ], self._records.append)
 
     def near(self, count: int) -> set[int]:
         """Return the phases at which an interrupt of a frame is near a write. count: number of phases of a period."""

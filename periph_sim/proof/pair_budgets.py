@@ -18,7 +18,6 @@ from collections.abc import Collection
 from ..core.records import Kind
 from ..f28335.gpio.pin_mux_table import FUNCTIONS
 from ..timing.language.matcher import Matcher
-from .closed_table import WITHIN_ROUND
 from .record_digests import SCI
 from .stretch import CoveredCase
 
@@ -68,8 +67,8 @@ def within_round(covered: CoveredCase) -> CoveredCase:
         if not any(function.startswith(SCI) for function in FUNCTIONS[number])
     }
     events = covered.events()
-    for name, looks_back in covered.looks_back().items():
-        further, used = sorted(looks_back - WITHIN_ROUND), events[name]
+    for name, further in covered.looks_further().items():
+        used = events[name]
         if further:
             covered.leave_out(name, f"its values depend on {further[0]}")
         elif used is None:

@@ -29,7 +29,7 @@ from msgspec.structs import astuple
 from ..scene.controller import head_plan
 from ..scene.plan import ScenePlan
 from .calls import CallAll
-from .closed_table import StartTable
+from .closed_table import StartTable, revisits
 from .frame_cells import find_cells
 from .free_run import NotClosed
 from .pair_budgets import within_round
@@ -39,7 +39,6 @@ from .stretch import CoveredCase, Job
 
 MOST_SHRINKS = 32  # maximum number of times that the first and last group of a cell are removed because they differ
 TIMED = 400  # number of random groups that are run first, to reach most orbits and to estimate the CPU time
-REVISITED = 20  # one in REVISITED of the groups that were run is run again, but at least `least_again` are
 CALLS = 64  # maximum number of calls of `run_tasks` that are made at the same time
 NEAR_ENDS = 2  # one in NEAR_ENDS of the groups that are run again is a random group of a cell
 
@@ -93,8 +92,8 @@ class PairMaker:
         covered: CoveredCase,
         job: Job,
         ignored: Sequence[str],
-        on_progress: Callable[[float], None] | None,
-        on_estimate: Callable[[int, float], None] | None,
+        on_progress: Callable[[float], None],
+        on_estimate: Callable[[int, float], None],
         call_all: CallAll,
         least_again: int,
         any_tick: bool,
@@ -160,12 +159,11 @@ class PairMaker:
 
     def estimate(self, rates: Sequence[int] = ()) -> None:
         """Call `on_estimate`. rates: for each rate of the host that is run in addition, the number of its starts."""
-        if self._on_estimate is not None:
-            groups = self._expected + max(self._least_again, self._expected // REVISITED)
-            if rates:
-                groups += self._least_again + 3 * sum(rates)  # `host_rates` runs three frames for each start
-            scenes = groups / CHUNK + len(rates)
-            self._on_estimate(self._expected, self._seconds * groups + self._scene_seconds * scenes)
+        groups = self._expected + revisits(self._expected, self._least_again)
+        if rates:
+            groups += self._least_again + 3 * sum(rates)  # `host_rates` runs three frames for each start
+        scenes = groups / CHUNK + len(rates)
+        self._on_estimate(self._expected, self._seconds * groups + self._scene_seconds * scenes)
 
     def _close(self, numbers: Sequence[int]) -> None:
         """Run the groups from these orbits: the first and last group of each cell, and all that are in no cell."""
@@ -178,7 +176,7 @@ class PairMaker:
                 Task(number, group, offset, None)
                 for number in numbers
                 for group in self._alone(number)
-                for offset in self._offsets(group)
+                for offset in sorted({0, self._most_offset(group)})
             ]
         )
         found = [self.tasks(number, waits[number]) for number in numbers]
@@ -199,19 +197,15 @@ class PairMaker:
 
     def _again(self) -> None:
         """Run random groups again, and compare them with the first runs."""
-        wanted = max(self._least_again, len(self.runs) // REVISITED)
-        tasks: list[Task] = []
-        expected: list[GroupRun] = []
-        for orbit, group, run in islice(self.random_groups(), wanted):
-            offset = self._random.randrange(self._frames.period)
-            tasks.append(Task(orbit, group, 0 if group.frame is None else offset, None))
-            expected.append(run)
+        known = list(islice(self.random_groups(), revisits(len(self.runs), self._least_again)))
+        tasks = [
+            Task(one.orbit, one.group, self._random.randrange(self._most_offset(one.group) + 1), None) for one in known
+        ]
         runs = self._run(tasks, keep=False)
-        if self.table.has_failed:
-            return
-        for task, before, found in zip(tasks, expected, runs, strict=True):
-            self._compare(task.orbit, task.group, before, found)
-        self.table.again = wanted
+        if not self.table.has_failed:
+            for one, run in zip(known, runs, strict=True):
+                self._compare(one.orbit, one.group, one.run, run)
+            self.table.again = len(known)
 
     def random_groups(self, number: int | None = None, is_alone: bool | None = None) -> Iterator[KnownGroup]:
         """Yield random groups of the table, without end: some that were run, and some from within cells.
@@ -248,8 +242,9 @@ class PairMaker:
         """Return the ticks of an orbit at which rounds are started, modulo the orbit's own period."""
         return [cycle * self._cycle + place for cycle in range(self._orbits.own) for place in self._places]
 
-    def _offsets(self, group: Group) -> tuple[int, ...]:
-        return (0,) if group.frame is None else (0, self._frames.period - 1)
+    def _most_offset(self, group: Group) -> int:
+        """Return the greatest number of ticks from the first start in the frame's cell to the start of the frame."""
+        return 0 if group.frame is None else self._frames.period - 1
 
     def find_waits(self, pair: PairRun, number: int) -> dict[int, list[Sleep]]:
         """Return, for each tick of an orbit at which a round is started, the waits in this round alone."""
@@ -317,8 +312,7 @@ class PairMaker:
                 for task, run in zip(tasks[len(found) : len(found) + len(runs)], runs, strict=True):
                     self._keep(task.orbit, task.group, run)
             found += runs
-            if self._on_progress is not None:
-                self._on_progress(min(1, len(self.runs) / max(1, self._expected)))
+            self._on_progress(min(1, len(self.runs) / max(1, self._expected)))
             if self.table.has_failed:
                 break
         return found
@@ -338,8 +332,7 @@ class PairMaker:
         """Add the outcome of runs to the table. Return the runs, with the numbers of orbits in the table."""
         table = self.table
         table.first_rest = done.first_rest
-        firsts = self.covered.phases.first_starts()
-        table.apart = max(table.apart, done.first_rest - min(firsts.values()) + 1)
+        table.apart = max(table.apart, done.first_rest - min(self.covered.phases.first_starts().values()) + 1)
         table.outcomes += done.outcomes
         table.starts += done.frames
         table.rounds += done.rounds

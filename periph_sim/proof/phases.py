@@ -86,7 +86,9 @@ class Phases:
             raise case.mistake(
                 "the first round starts at once, so there is no start-up before it", "controller", "first"
             )
-        self._rounds_per_frame = _rounds_per_frame(case) if case.host is not None and case.controller is not None else 1
+        self._rounds_per_frame = 1
+        if case.host is not None and case.controller is not None:
+            self._rounds_per_frame = max(1, ceil(case.host.period / case.controller.period - NEARLY))
         judged_from = max((limit.not_before for limit in plan.limits), default=0)
         if self.is_relative:
             judged_from = max(judged_from, self._start + plan.host[0].first)
@@ -272,11 +274,6 @@ def moved_starts(case: Case) -> Moved:
         what = "prove moves one frame in a round; give [host] a period that is not shorter than that of [controller]"
         raise case.mistake(what, "host", "period")
     return "frames"
-
-
-def _rounds_per_frame(case: Case) -> int:
-    assert case.host is not None and case.controller is not None
-    return max(1, ceil(case.host.period / case.controller.period - NEARLY))
 
 
 def _grid(plan: ScenePlan) -> Grid:

@@ -73,15 +73,12 @@ class ProofFile(SavedFile, frozen=True, kw_only=True):
         """A sentence with the number of proven budgets, and the starts for which the proof holds."""
         of = len(self.proven) + len(self.not_proven)
         apart = milliseconds(self.apart, self.ticks_per_second)
-        clocks = (
-            "" if self.within_ppm is None else f", and all clocks of the controller within {self.within_ppm:.15g} ppm"
-        )
-        if self.host_within_ppm is not None:
-            clocks += f", and all bit rates of the host within {self.host_within_ppm:.15g} ppm"
+        inputs = [starts_text(self.moved, apart, self.any_tick)]
+        ranges = {"clocks of the controller": self.within_ppm, "bit rates of the host": self.host_within_ppm}
+        inputs += [f"all {what} within {within:.15g} ppm" for what, within in ranges.items() if within is not None]
         if self.any_data:
-            clocks += f", and any data of the frames{except_for(self.following_data)}"
-        starts = starts_text(self.moved, apart, self.any_tick)
-        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts}{clocks}"
+            inputs.append(f"any data of the frames{except_for(self.following_data)}")
+        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {', and '.join(inputs)}"
 
 
 def except_for(names: Sequence[str]) -> str:

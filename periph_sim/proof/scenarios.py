@@ -22,10 +22,6 @@ from .closed_table import Contradiction, RestPlace, TableMaker
 from .free_run import FreeRun, NotClosed
 from .stretch import CoveredCase, Job
 
-NO_SERIES = "it has one number for the whole run"
-EARLIER = "it has values before the first start"
-JOINED = "it has the key `and`"
-
 
 class Scenarios:
     """The values of a case's budgets for any sequences of starts, from its closed table.
@@ -130,13 +126,13 @@ class Scenarios:
         places = begun if self._phases.jitter else [None, *begun]
         for limit in run.scene.limits:
             name = limit.budget.name
-            reason = JOINED if limit.joined else "" if limit.measure.series else NO_SERIES
-            if reason:
-                self._without_values[name] = reason
+            if limit.joined or not limit.measure.series:
+                why = "it has the key `and`" if limit.joined else "it has one number for the whole run"
+                self._without_values[name] = why
                 continue
             values, known = limit.values(run.scene.start), self._worst.setdefault(name, {})
             if self._phases.jitter and values is not None and values.at.min(initial=starts[0]) < starts[0]:
-                self._without_values[name] = EARLIER
+                self._without_values[name] = "it has values before the first start"
                 continue
             for number, nearest in [] if values is None else worst_in_rounds(values, starts):
                 value = float(limit.show(nearest))

@@ -36,6 +36,8 @@ from ..timing.verdict import FAIL, Verdict, percentile
 from .measures_at_rest import events_of, round_events
 from .phases import ROUNDS, Phases
 
+# `Measure.looks_back` has one of these values if a value of the measure depends on records of one round only.
+WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])
 DUE = frozenset({"due", "missed", "refused"})  # records at the due time of a round, without jitter
 Subscribe = Callable[[Recorder, Timebase], None]
 STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
@@ -180,16 +182,16 @@ class CoveredCase:
         inputs = InputsTable(frames=frames, rounds=rounds)
         return self.scene_of(inputs, self.case.duration, self.case.seed, subscribe, keep_values)
 
-    def looks_back(self) -> dict[str, set[str]]:
-        """Return a dictionary from each covered budget to the ranges on which its values depend (`Measure.looks_back`).
+    def looks_further(self) -> dict[str, list[str]]:
+        """Return a dictionary from each covered budget to what its values depend on beside records of one round.
 
-        Without a host, bytes are compared with the values that the request states, so `wrong bytes` depends on the
-        transfer only.
+        The texts are in alphabetical order. Without a host, bytes are compared with the values that the request states,
+        so `wrong bytes` depends on the transfer only.
         """
-        found: dict[str, set[str]] = {}
+        found: dict[str, list[str]] = {}
         for plan in self._plan.limits:
             parts = (plan, *plan.joined)
-            ranges = found[plan.budget.name] = {
+            ranges = {
                 "this transfer"
                 if self.case.host is None and part.budget.measure == "wrong bytes"
                 else part.make().looks_back
@@ -200,6 +202,7 @@ class CoveredCase:
                 ranges.add("the start of the next round")
             if events & DUE and self.phases.jitter:
                 ranges.add("the jitter of the round")
+            found[plan.budget.name] = sorted(ranges - WITHIN_ROUND)
         return found
 
     def events(self) -> dict[str, list[Matcher] | None]:

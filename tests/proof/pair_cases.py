@@ -100,10 +100,13 @@ def write_pair(folder: Path, text: str, *changes: tuple[str, str]) -> Path:
     return case
 
 
-def maker_of(job: Job, least_again: int = 200, on_estimate: Callable[[int, float], None] | None = None) -> PairMaker:
+def maker_of(
+    job: Job, least_again: int = 200, on_estimate: Callable[[int, float], None] = lambda *_: None
+) -> PairMaker:
     """Return the maker of a table whose rounds start with cycles of the CPU. All its runs are made in this process."""
     covered = CoveredCase(job)
-    return PairMaker(covered, job, check_pair(covered.case), None, on_estimate, call_here, least_again, any_tick=False)
+    ignored = check_pair(covered.case)
+    return PairMaker(covered, job, ignored, lambda _: None, on_estimate, call_here, least_again, any_tick=False)
 
 
 def keep_a_tenth(monkeypatch: pytest.MonkeyPatch) -> None:

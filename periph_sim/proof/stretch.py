@@ -29,7 +29,6 @@ from ..scene.plan import ScenePlan
 from ..scene.result import Result
 from ..scene.scene import Scene
 from ..timing.budget_plan import PER_MILLE, BudgetPlan
-from ..timing.budget_schema import Budget
 from ..timing.language.matcher import Matcher
 from ..timing.measures.event import EventMeasure
 from ..timing.verdict import FAIL, Verdict, percentile
@@ -86,26 +85,24 @@ class CoveredCase:
     """
 
     def __init__(self, job: Job) -> None:
-        case = load(Path(job.file), list(job.changes))
-        whole = ScenePlan(case)
+        self._plan = whole = ScenePlan(load(Path(job.file), list(job.changes)))
         self.left_out: dict[str, str] = {}
         self.not_whole: dict[str, str] = {}
-        kept: list[Budget] = []
-        for budget, plan in zip(case.budget, whole.limits, strict=True):
-            reason = _why_left_out(plan)
+        for plan in whole.limits:
+            name, reason = plan.budget.name, _why_left_out(plan)
             percentiles = PER_MILLE.keys() & plan.limits.keys()
             if reason:
-                self.left_out[budget.name] = self.not_whole[budget.name] = reason
-                continue
-            kept.append(budget.model_copy(update=dict.fromkeys(PER_MILLE)))  # without the limits of percentiles
-            self.left_out |= {f"{percentile(key)} of {budget.name}": PERCENTILE for key in percentiles}
-            if percentiles:
-                self.not_whole[budget.name] = PERCENTILE
-        if not kept:
-            raise self._nothing_to_judge(case)
-        self._plan = ScenePlan(case.model_copy(update={"budget": tuple(kept)}), whole)
+                self.leave_out(name, reason)
+            elif percentiles:
+                self.left_out |= {f"{percentile(key)} of {name}": PERCENTILE for key in percentiles}
+                self.not_whole[name] = PERCENTILE
+        if not self.case.budget:
+            raise self._nothing_to_judge()
+        # the limits of percentiles are left out
+        kept = [budget.model_copy(update=dict.fromkeys(PER_MILLE)) for budget in self.case.budget]
+        self._plan = ScenePlan(self.case.model_copy(update={"budget": tuple(kept)}), whole)
         self.phases = Phases(self._plan, job.start_up, job.rounds)
-        self.left_out |= _inputs_left_out(case, self.phases)
+        self.left_out |= _inputs_left_out(self.case, self.phases)
         self.unknowns: set[str] = set()
 
     @property
@@ -131,17 +128,16 @@ class CoveredCase:
 
     def leave_out(self, name: str, reason: str) -> None:
         """Leave out a further budget. Raise BadCase if no budget is left."""
-        case = self.case
-        kept = tuple(budget for budget in case.budget if budget.name != name)
+        kept = tuple(budget for budget in self.case.budget if budget.name != name)
         self.left_out[name] = self.not_whole[name] = reason
         if not kept:
-            raise self._nothing_to_judge(case)
-        self._plan = ScenePlan(case.model_copy(update={"budget": kept}), self._plan)
+            raise self._nothing_to_judge()
+        self._plan = ScenePlan(self.case.model_copy(update={"budget": kept}), self._plan)
 
-    def _nothing_to_judge(self, case: Case) -> BadCase:
+    def _nothing_to_judge(self) -> BadCase:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in self.left_out.items())
         what = "there is no budget that a single round or phase can break; add one, such as a limit of `reaction`"
-        return case.mistake(what + (f" ({reasons})" if reasons else ""), "budget")
+        return self.case.mistake(what + (f" ({reasons})" if reasons else ""), "budget")
 
     def scene(self, phases: Sequence[int], seed: int) -> Scene:
         """Return a scene, not yet run, in which the moved starts have these phases."""

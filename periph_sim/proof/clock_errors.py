@@ -1,7 +1,7 @@
 """The errors of a controller's clock that give different runs.
 
-errors from -100 to 100 ppm --head_plan--> low 14999 to 15002 ticks, gap 149985 to 150015 ticks, ...
-                            --bisect--> one error for each combination of these lengths
+errors from -100 to 100 ppm --counted_lengths--> low 14999 to 15002 ticks, gap 149985 to 150015 ticks, ...
+                            --bisect--------> one error for each combination of these lengths
 
 A controller counts its lengths, such as the low time of SCL and the gap between requests, in whole ticks. Each length
 is a quotient that decreases as the error increases, rounded to a whole number. Therefore, if two errors give equal
@@ -14,7 +14,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ..scene.case.model import Case
-from ..scene.controller import HeadPlan, head_plan
+from ..scene.controller import counted_lengths, head_plan
 from ..scene.plan import ScenePlan
 from .free_run import NotClosed
 
@@ -36,18 +36,19 @@ def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
         what = "--ppm: the start-up of the chips would come at another tick for each clock; remove the key"
         raise case.mistake(what, "controller", "initialise")
     found: dict[object, Fraction] = {}
+    table, scale = case.controller, ScenePlan(case).ticks
+    for side in (-within, within):  # raises BadCase for a time that has too many ticks with one of the clocks
+        controller = table.model_copy(update={"ppm": table.ppm + side})
+        head_plan(ScenePlan(case.model_copy(update={"controller": controller})).ticks)
 
     def lengths(error: Fraction) -> object:
-        assert case.controller is not None
-        controller = case.controller.model_copy(update={"ppm": error})
-        plan: HeadPlan = head_plan(ScenePlan(case.model_copy(update={"controller": controller})).ticks)
         if len(found) > MOST_CLOCKS:
             raise NotClosed(f"the range has more than {MOST_CLOCKS} clocks with different lengths in ticks")
-        these = plan.timing, plan.schedule.gap, plan.clear_after
+        these = counted_lengths(scale, table.model_copy(update={"ppm": error}))
         found.setdefault(these, error)
         return these
 
-    waiting = [(case.controller.ppm, case.controller.ppm + side) for side in (-within, within)]
+    waiting = [(table.ppm, table.ppm + side) for side in (-within, within)]
     while waiting:
         one, other = waiting.pop(0)
         if lengths(one) != lengths(other) and abs(other - one) > LEAST:

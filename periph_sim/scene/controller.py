@@ -80,15 +80,12 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
     def ticks(length: Fraction) -> int:
         return scale.ticks(length, table.ppm)
 
-    half = Fraction(1, 2) / table.rate
-    low = ticks(half if table.low is None else table.low)
-    high = ticks(half if table.high is None else table.high)
-    timing = BusTiming(low, high, ticks(table.hold), high, low, high, low, ticks(table.filter))
-    stuck_after, clear_after = scale.ticks(table.stuck_after), ticks(table.clear_after or Fraction(0))
+    timing, gap, clear_after = counted_lengths(scale, table)
+    stuck_after = scale.ticks(table.stuck_after)
     schedule = Schedule(
         first=ticks(table.first),
         period=scale.exact_ticks(table.period, table.ppm),
-        gap=ticks(table.gap),
+        gap=gap,
         jitter=ticks(table.jitter),
         rounds=table.rounds,
         ahead=ticks(table.initialise or Fraction(0)),
@@ -108,6 +105,19 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
         starts=schedule.starts,
     )
     return HeadPlan(tuple(requests), tuple(startup), timing, schedule, asked, stuck_after, clear_after)
+
+
+def counted_lengths(scale: CaseTicks, table: Controller) -> tuple[BusTiming, int, int]:
+    """Return the lengths that a controller counts with its clock, in ticks: the timing, the gap and `clear_after`."""
+
+    def ticks(length: Fraction) -> int:
+        return scale.ticks(length, table.ppm)
+
+    half = Fraction(1, 2) / table.rate
+    low = ticks(half if table.low is None else table.low)
+    high = ticks(half if table.high is None else table.high)
+    timing = BusTiming(low, high, ticks(table.hold), high, low, high, low, ticks(table.filter))
+    return timing, ticks(table.gap), ticks(table.clear_after or Fraction(0))
 
 
 def build_head(

@@ -289,9 +289,22 @@ def compiled(sources: Sources, folder: Path) -> list[str]:
         rule = Path(objects[-1]).with_suffix(".d").read_text(encoding="utf-8", errors="surrogateescape")
         names = re.split(r"(?<!\\)\s+", rule.partition(":")[2].replace("\\\n", " "))
         note_inputs_of(Path(name.replace("\\ ", " ")) for name in names)
-    runtime = str(folder / "runtime.o")
-    _run([GCC, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])
-    return [*objects, runtime]
+    return [*objects, str(_make_runtime(folder))]
+
+
+def _make_runtime(folder: Path) -> Path:
+    """Write the object file of runtime.c to `folder`, and return its path. gcc is called once in each process."""
+    global _runtime
+    runtime = folder / "runtime.o"
+    if _runtime is None:
+        _run([GCC, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", str(runtime)])
+        _runtime = runtime.read_bytes()
+    else:
+        runtime.write_bytes(_runtime)
+    return runtime
+
+
+_runtime: bytes | None = None  # the object file of runtime.c; None if this process has not compiled it yet
 
 
 def linked(objects: Sequence[str], undefined: bool, base: int, library: Path) -> Path:

@@ -180,10 +180,10 @@ class Bus:
         return found
 
     def naming(self, operand: Operand, mask: int) -> Operand:
-        """Return an operand for the same words whose records name the only field that has bits of `mask`.
+        """Return an operand whose records name the only field with bits of `mask`. It has the words of `operand`.
 
-        If no field or several fields have bits of `mask`, return the same operand. mask: bits of the transferred word;
-        bit 0 is the lowest bit of that word, also for the upper word of a register.
+        If `mask` has bits of no field or of several fields, return `operand` itself. mask: bits of the transferred
+        word; bit 0 is the lowest bit of that word, also for the upper word of a register.
         """
         found = self._named.get((operand, mask))
         if found is None:

@@ -131,7 +131,9 @@ def watchdog_runs(dsp: Dsp) -> bool:
 
 
 def watchdog_ends(dsp: Dsp, since: int) -> bool:
-    """Return True if the watchdog will end a wait, because no service routine restarts it (see RESTARTED).
+    """Return True if the watchdog will end a wait by a reset or an interrupt.
+
+    It will if it is enabled, and no service routine restarts it during the wait (see RESTARTED).
 
     since: the cycle at which the wait began.
     """

@@ -92,7 +92,7 @@ class DerivedRecords:
                 StuckWatch(scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip)
 
     def finish(self, scene: Scene) -> None:
-        """At the end of the run, record the cut-off transfer or hold of SCL, and the number of bytes not judged."""
+        """At the end of the run, record a refused transfer or hold of SCL that it cuts off, and the unjudged bytes."""
         now, monitor = scene.kernel.now, scene.bus.monitor
         if self._transfers is not None and monitor is not None:
             unfinished = None if scene.case.controller is not None else monitor.open_transfer
@@ -146,7 +146,8 @@ MODEL_PIN = "MODEL"  # name, in a case, of the pin that is high while the firmwa
 def _origins_of(scene: Scene) -> Origins:
     """Return an object that finds the host frame from which the bytes of a read come.
 
-    Raise BadCase if the firmware has sensor models, but the case has no MODEL pin, or if the firmware's settings do not
+    Firmware with sensor models must hold a pin high while the models run, and the case must give this pin the name
+    MODEL. Raise BadCase if the case of such firmware has no pin with this name, or if the firmware's settings do not
     determine the arithmetic of the models.
     """
     from ..core.sampler import watch

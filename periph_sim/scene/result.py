@@ -203,7 +203,11 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _other_masters(scene: Scene) -> list[str]:
-    """Return the I2C modules that made a START, if the scene's bus events are only those of the controller."""
+    """Return the names of the units' I2C modules that made a START, if the bus records lack their events.
+
+    The records lack these events if the simulated controller makes the records. Without a controller, or if an outside
+    party drives the bus, the records come from the wires and have the events of all masters; return [] then.
+    """
     if scene.head is None or scene.head.controller.beside_others:
         return []
     modules = [(name, *one) for name, dsp in scene.units.items() for one in dsp.sockets.items()]

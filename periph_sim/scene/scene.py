@@ -121,7 +121,7 @@ class Scene:
         self.devices: dict[str, DeviceOnBus] = {}
         self.faults: list[Repeated] = []
         self.head: SensorHead | None = None
-        self.requests: list[Request] = []  # the requests of each round of the controller
+        self.requests: list[Request] = []  # the reads and writes that the controller makes in every round
         self.host: Host | None = None
         self.host_agent: HostAgent | None = None
         self.truth: Truth | None = None

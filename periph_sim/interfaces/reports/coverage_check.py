@@ -139,9 +139,9 @@ def _was_stuck(file: CoverageFile, phases: Sequence[int]) -> bool:
 
 
 def _difference(saved: Verdict, result: Result, at: str, path: Path, allowed: Fraction, covered: CoveredCase) -> str:
-    """Return a sentence about a value that differs from the saved one; "" if it does not differ.
+    """Return a sentence if a budget is missing, or its measure or value differs, or its verdict is worse; else "".
 
-    allowed: the number of ticks by which times may differ.
+    allowed: the number of ticks by which times may differ. Other values must be equal.
     """
     now = next((one for one in result.budgets if one.name == saved.name), None)
     if now is None:

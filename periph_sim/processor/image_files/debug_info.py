@@ -159,7 +159,10 @@ class FunctionMap:
         self._starts = [function.address for function in self._by_address]
 
     def at(self, address: int) -> Function | None:
-        """Return the function that contains an address; None if there is none."""
+        """Return the function that contains an address; None if there is none.
+
+        Functions are known from debug data and, where these lack a function, from symbols.
+        """
         before = bisect_right(self._starts, address) - 1
         if before >= 0 and address < self._by_address[before].address + self._by_address[before].size:
             return self._by_address[before]

@@ -36,7 +36,7 @@ def load(path: Path) -> Image:
 
 
 def parse(data: bytes) -> Image:
-    """Return the image in the bytes of a file. Raise BadImage if it is not an F28335 image."""
+    """Return the image in the bytes of a TI COFF or ELF file. Raise BadImage if it is not an F28335 image."""
     if coff2.is_coff(data):
         image = coff2.read(data)
     elif data.startswith(ELF_MAGIC):

@@ -111,7 +111,9 @@ class FrameHistory:
         return shown
 
 
-RECENT = 8  # number of recent frames with which each read is compared
+# A read is compared with all frames. But the values of a frame older than the frame of the chip's previous read are
+# right only if the last RECENT frames include these values.
+RECENT = 8
 KEPT = 64  # number of recent frames from which a model run may have taken its input
 COMPLETE = 256  # maximum number of chains (possible sequences of frames) up to which all chains are followed
 PASSED_OVER = 3  # with more chains than COMPLETE, only the PASSED_OVER + 1 newest frames are tried for a model run

@@ -84,11 +84,12 @@ class TransferRecords:
             self._write_end.emit(transfer.stop_at, phase.address)
 
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
-        """Record the transfer that the end of the run cuts off.
+        """Make the records "refused" and "held" for the transfer that the end of the run cuts off.
 
         unfinished: the transfer that has no STOP yet, or None. If one of its addresses was not acknowledged, the record
-            "refused" is made.
-        held_since: the tick since which parties other than the master have held SCL low; NO_TIME if none holds it low.
+            "refused" is made. The other records of a transfer are not made.
+        held_since: the tick since which parties other than the master have held SCL low. The record "held" has the time
+            from this tick to `now`. NO_TIME for no record.
         """
         if unfinished is not None:
             self._record_refusal(unfinished)

@@ -50,7 +50,7 @@ FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # the kinds of clau
 
 
 class Clauses(Struct, frozen=True):
-    """The events in the clauses of a measure, with their roles. said: phrases about these events, for verdicts."""
+    """The events in clauses, such as "given EVENT", of a measure, and their roles. said: phrases for verdicts."""
 
     matchers: tuple[Matcher, ...] = ()
     roles: tuple[int, ...] = ()
@@ -241,7 +241,7 @@ class EventMeasure(Measure):
             self.happened(place, tick, value)
 
     def _handle_clause(self, clause: int, tick: int, value: int) -> None:
-        """Handle an occurrence of the event in clause number `clause`."""
+        """Count or store an event that a clause of the measure, such as "given EVENT", names. clause: its index."""
         role: int = self._roles[clause]
         number = value if self.weighs else 1
         if role == FOR_EACH:

@@ -161,12 +161,16 @@ class Reply(Measure):
         return tuple(occasion.came) == self._expected.characters
 
     def _over(self, occasion: _Occasion) -> bool:
-        """Return True if the reply is complete or wrong, so that later characters do not belong to it."""
+        """Return True if later characters do not belong to this reply, because it has all its characters.
+
+        If other characters may come before the reply (`Expected.anywhere`), the last characters must be those of the
+        right reply. Otherwise, a wrong reply, too, is over after as many characters as the right one has.
+        """
         enough = len(occasion.came) >= len(self._expected.characters)
         return self._complete(occasion) or (enough and not self._expected.anywhere)
 
     def _settle(self) -> None:
-        """Judge the replies that are complete or wrong, in the order of their requests."""
+        """Judge the replies that are over (see `_over`), in the order of their requests."""
         while self._open and self._open[0].since != NO_TIME and self._over(self._open[0]):
             occasion = self._open.popleft()
             if self._complete(occasion):

@@ -107,7 +107,7 @@ class Modifies(RecordSink):
         self._clocks: list[tuple[int, Fraction]] = []  # pairs (tick, SYSCLKOUT in Hz from then on) up to now
         self._known = 0  # number of entries of `_clocks` that were evaluated
         self._spare: Access | None = None  # the first of a linked list of Access objects that can be used again
-        self._topics: list[JudgedTopic] = []  # the topics, indexed by tag
+        self._topics: list[JudgedTopic] = []  # entry i describes the records that `keep` receives with tag i
         self.recent: dict[str, Recent] = {}  # maps a unit to its accesses in the last cycles
         # `_registers` maps the unit and the name of a register to the judged register.
         self._registers: dict[tuple[str, str], ClearedRegister] = {}
@@ -291,7 +291,9 @@ class LostFlags(Measure):
 
     def __init__(self, watched: Watched) -> None:
         super().__init__()
-        self.looks_back = "the whole run"  # a later write can show that a flag was cleared on purpose
+        # The number of lost flags is computed at the end of the run, from all accesses. Only then are the flags known
+        # that firmware clears on purpose at a place in its code.
+        self.looks_back = "the whole run"
         self.watched = watched
         self.modifies = Modifies(watched.concerns, watched.is_about, not watched.register)
 

@@ -190,7 +190,10 @@ def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:
 
 
 def number_text(value: int | None, unit: str) -> str:
-    """Format a figure that is not a time. unit: "%" for millionths of a whole, "LSB" for millionths of an LSB."""
+    """Format a figure that is not a time, without its unit. Return "none" for None.
+
+    value: a number of millionths of a whole if `unit` is "%", of millionths of an LSB if it is "LSB"; else the figure.
+    """
     if value is None:
         return "none"
     if unit == "%":

@@ -335,9 +335,9 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the accesses and the changes of fields that a measure uses, close to the start of the occurrence.
+    """Find the register accesses and the changes of fields that a measure uses, close to the start of the occurrence.
 
-    Return no steps if the measure uses only one of these kinds of records, or other kinds.
+    Return no steps unless the measure uses both kinds of records, and no other kind.
     """
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     if ends.measure.kinds != {Kind.ACCESS, Kind.FLAG}:

@@ -36,9 +36,9 @@ Bars = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
 
 @dataclass(frozen=True)
 class Attempt:
-    """A run of the case as it is or with other answers.
+    """A run of the case as it is, or with other answers to questions that TI's manuals leave open.
 
-    answers: the other answers of the run; empty for the case as it is.
+    answers: the answers that differ from those of the case as it is; empty for the case as it is.
     row: the result of the run, or the reason why the run could not be made.
     """
 

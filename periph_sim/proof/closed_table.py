@@ -1,16 +1,15 @@
-"""Proof for every start: a table of states and starts. Each entry is run, and each run ends in a state of the table.
+"""Closed table of a case that has only rounds or only frames. The glossary in `periph_sim.proof` has the terms.
 
-    rest in state s, next start in r ticks --one round is run--> rest in state s'
+    rest at a place --start at tick r of its orbit--> one round --> rest at another place
 
-Between two rounds (or frames) the scene is at *rest*: no event is due, and the firmware waits in a loop. The state of
-the scene (`normal_state`) then repeats with a period, because the clocks and the passes of the loop repeat. The states
-of one period are an *orbit*. So there are only as many different starts of the next round as a period has ticks,
-however long the scene rests. An *entry* of the table is an orbit and one of its ticks. A round that starts there is run
-once, and ends in a state of an orbit again. If all entries of all orbits were run, the table is *closed*: whatever the
-distances between starts are, each round proceeds exactly as in one of the runs.
+The states of a rest repeat, so there are only as many different starts of the next round as the orbit has ticks,
+however long the scene rests. Each of these entries is run once. A run makes many rounds one after the other, each from
+an entry that is still open, until no entry is open.
 
-This is true if a scene continues equally from equal normal states. Some entries are therefore run again, after other
-rounds and after a rest of another length, and compared with the first run; `Contradiction` is raised if they differ.
+The proof needs that a scene continues equally from equal normal states. Some entries are therefore run again, after
+other rounds and after a rest of another length. `Contradiction` is raised if their effects differ.
+
+In the texts of this file, "round" also means a frame, in a case that has only frames.
 """
 
 from __future__ import annotations
@@ -31,33 +30,33 @@ from .orbit_ways import first_step
 from .stretch import CoveredCase, Outcome
 from .table_cases import check
 
-BOTH = "rounds and frames"  # the word for the starts if both rounds and frames are free
+BOTH = "rounds and frames"  # the value of `moved` for a case with both rounds and frames
 MAX_ENTRIES = 400_000
 ROUNDS_A_RUN = 256  # maximum number of rounds in one run; it is doubled if a run has run no new entry
 MOST_ROUNDS_A_RUN = 2**16
 REVISITED = 20  # one in REVISITED entries is run again, but normally at least LEAST_REVISITED entries
 LEAST_REVISITED = 200
-TIMED = 20  # the CPU time of the first TIMED entries gives the estimate for all
-LONGER_RESTS = 3  # rests are longer than necessary by a random number of periods below this
+TIMED = 20  # the time for the first TIMED entries gives the estimate for all
+LONGER_RESTS = 3  # a rest is longer than necessary by a random number of periods: 0, 1 or 2
 
 
 class Contradiction(Exception):
-    """Error: two runs from equal normal states differ, so the normal state is incomplete: a defect of periph-sim."""
+    """Error: two runs of one entry differ, so the normal state lacks something that matters: a defect of periph-sim."""
 
 
 class RestPlace(Struct, frozen=True):
-    """A state of rest: the number of its orbit, and its tick in the orbit."""
+    """A place: the number of an orbit, and one of its ticks."""
 
     orbit: int
     tick: int
 
 
 class TableEntry(Struct, frozen=True):
-    """The result of the run of an entry.
+    """The effects of the round of an entry.
 
-    after: the state of rest after the round.
-    length: number of ticks from the start of the round to this state.
-    records: the digest of the round (`RoundDigest`).
+    after: the place of the rest after the round.
+    length: the number of ticks from the start of the round to this rest.
+    records: the digest of everything that was recorded in the round (`RoundDigest`).
     """
 
     after: RestPlace
@@ -66,21 +65,21 @@ class TableEntry(Struct, frozen=True):
 
 
 class StartTable(Struct):
-    """A table of states of rest and starts. When it is finished, it is closed, or the last run has failed.
+    """Summary of a table, which is closed, or whose last run has failed.
 
-    orbits: for each orbit, the number of its entries: its ticks or, in a table of `pair_table`, its groups.
+    orbits: for each orbit, the number of its entries.
     entries: the number of entries that were run.
     again: the number of entries that were run again.
     apart: the least distance of two starts for which the table holds, in ticks.
-    first_rest: the tick of the first rest, from the start of the run.
-    rests_first: True if the table has entries for any first start after this rest; False if it has only the first start
-        of the case.
+    first_rest: the tick of the first rest, counted from the start of the run.
+    rests_first: True if the first start is free, too; False if it is always that of the case.
     outcomes: the outcomes of the runs.
-    starts: for each run, its starts, in ticks from the start of the run; only those of frames if both rounds and frames
-        are free.
-    spanning, lacking: the names of budgets, see `MeasuresAtRest`.
-    rounds: if both rounds and frames are free, the starts of rounds of each run; else empty.
-    data_use: as `FreeRun.data_use`, for all runs.
+    starts: for each run, the ticks of its starts, counted from the start of the run; in a case with rounds and frames,
+        only those of frames.
+    spanning: the names of budgets with an occurrence that lasts from one round into the next.
+    lacking: the names of budgets that some rounds do not judge.
+    rounds: for each run of a case with rounds and frames, the ticks of the starts of its rounds; else empty.
+    data_use: the first use of the data of a frame that decides what the firmware does, as text; "" for none.
     """
 
     orbits: list[int]
@@ -98,16 +97,19 @@ class StartTable(Struct):
 
     @property
     def has_failed(self) -> bool:
+        """True if the last run broke a budget or failed in another way."""
         return bool(self.outcomes and self.outcomes[-1].failures)
 
     def not_proven(self, covered: CoveredCase, apart: int, within: Fraction = Fraction(0)) -> dict[str, str]:
-        """Return the budgets that the table does not prove, as a dictionary from the name of each to the reason.
+        """Return the reason for each budget that the table does not prove, such as {"data age": "its values ..."}.
 
         The table proves a budget if each of its values follows from one round, if all rounds are judged, and if the
         starts of the case are far enough apart.
 
-        apart: the least distance of two starts for which it must prove them, in ticks: at least `self.apart`.
-        within: as for `Phases.least_distance`.
+        apart: the distance that the starts of the case must have, in ticks: `self.apart`, or more if other tables of
+            the same proof need more.
+        within: the greatest difference of the controller's clock from that of the case, in ppm, which makes the
+            distance of starts smaller.
         """
         found: dict[str, str] = {}
         if covered.phases.least_distance(within) < apart:
@@ -130,14 +132,14 @@ class StartTable(Struct):
 class TableMaker:
     """Makes the table of a case. The constructor raises NotClosed if the case cannot have a table.
 
-    on_progress: called with the fraction of the known entries that have been run, 0 to 1.
-    on_estimate: called after TIMED entries, with the expected number of entries, and an estimate of the CPU time in
-        seconds.
-    on_run: called at the end of each run, with the run and the places at which its rounds began. If a run begins with
-        the first round of the case, the place of this round is left out. With `on_run`, scenes keep all values of their
-        budgets.
-    rests_first: as for `FreeRun`. None means True if the starts of the case have jitter, else for False.
+    on_progress: called with the number of entries that were run, divided by that of all entries found so far.
+    on_estimate: called after TIMED entries, with the expected number of entries, and the estimated CPU time in seconds.
+    on_run: called at the end of each run, with the run and the entries of its rounds. The first start of the case has
+        no entry. If `on_run` is given, scenes keep all values of their budgets.
+    rests_first: True to make the first start free, too; None for True only if the starts of the case have jitter.
     least_again: the least number of entries that are run again.
+    entries: the effects of the entries that were run.
+    first: the effects of the first round of the case, with which each run begins; None if the first start is free.
     """
 
     def __init__(
@@ -154,21 +156,21 @@ class TableMaker:
         self._on_estimate = on_estimate
         self._on_run = on_run
         self._least_again = least_again
-        self._timed_from = 0.0  # the CPU time at which the first entry was begun
+        self._timed_from = 0.0  # the CPU time of this process when the first entry began
         self._ignored = check(covered.case)
         self._random = Random(1)
         self._rounds = ROUNDS_A_RUN  # maximum number of rounds in the next run
-        self._places: dict[bytes, RestPlace] = {}  # from the digest of a state of rest to its place
-        self._open: list[list[int]] = []  # for each orbit, the ticks of the entries that were not run yet, ascending
-        self.entries: dict[RestPlace, TableEntry] = {}  # by the place at the start of the round
-        self.first: TableEntry | None = None  # the first round, equal in all runs; None with `rests_first`
+        self._places: dict[bytes, RestPlace] = {}  # the place of each state of rest, by the digest of the state
+        self._open: list[list[int]] = []  # for each orbit, the ticks of its open entries, ascending
+        self.entries: dict[RestPlace, TableEntry] = {}
+        self.first: TableEntry | None = None
         is_free = covered.phases.jitter > 0 if rests_first is None else rests_first
         self.table = StartTable([], 0, 0, 0, 0, is_free, [], [], set(), set())
 
     def make(self) -> StartTable:
-        """Return the table, once it is closed or a run has failed.
+        """Run entries until the table is closed or a run has failed, and return it.
 
-        Raise NotClosed if it cannot be closed. Raise Contradiction if two runs of an entry differ.
+        Raise NotClosed if the table cannot be closed, and Contradiction if two runs of one entry differ.
         """
         table = self.table
         while not table.orbits or any(self._open):
@@ -188,8 +190,7 @@ class TableMaker:
     def _run(self, again: int) -> None:
         """Make one run of up to `_rounds` rounds.
 
-        again: 0 to run entries that were not run yet. Otherwise, random entries are run, until `again` entries of the
-            table have been run again.
+        again: 0 to run open entries. Otherwise, random entries are run again, up to `again` of them in all runs.
         """
         run = FreeRun(self._covered, self._ignored, self._on_run is not None, self.table.rests_first)
         table = self.table
@@ -217,28 +218,28 @@ class TableMaker:
         if self._on_run is not None:
             self._on_run(run, begun)
         table.spanning |= measures.spanning
-        # a run in which no round has a value of a budget does not judge this budget
+        # a budget without a value in one round has no verdict in a run that repeats this round
         table.lacking |= measures.lacking | {name for _, name in measures.empty}
 
     def _starts(self, run: FreeRun) -> list[int]:
         return run.frames if self._covered.phases.moved == "frames" else run.rounds
 
     def _next_tick(self, place: RestPlace) -> int | None:
-        """Return the tick of the next entry to run, from the orbit of `place`.
+        """Return the tick at which the next round starts, in the orbit of `place`, where the scene rests.
 
-        This is an open entry, which was not run yet, or else an entry on the way to an open one. Return None if no open
-        entry can be reached.
+        If the orbit has open entries, it is the tick of the next one; else that of the first entry on a shortest way to
+        an orbit with open entries. Return None if no way to an open entry is known.
         """
         here = self._open[place.orbit]
         if here:
             return here[bisect_right(here, place.tick) % len(here)]
-        ways: dict[int, dict[int, int]] = {}  # as in `first_step`; a step is the tick of an entry
+        ways: dict[int, dict[int, int]] = {}  # `ways[orbit][after]` is the tick of an entry that leads there
         for at, entry in self.entries.items():
             ways.setdefault(at.orbit, {}).setdefault(entry.after.orbit, at.tick)
         return first_step(ways, place.orbit, lambda orbit: bool(self._open[orbit]))
 
     def _round(self, run: FreeRun, measures: MeasuresAtRest, place: RestPlace, tick: int) -> RestPlace:
-        """Run a round that starts at `tick` of the orbit of `place`, the present place. Return the place after it."""
+        """Run a round from `place`, which starts at `tick` of the same orbit. Return the place after it."""
         period = self.table.orbits[place.orbit]
         distance = (tick - place.tick) % period or period
         start = run.now + distance + period * self._random.randrange(LONGER_RESTS)
@@ -266,20 +267,21 @@ class TableMaker:
         return after
 
     def _estimate(self, entries: int) -> float:
-        """Return the estimated CPU time in seconds. entries: the number of entries of the first orbit."""
+        """Return the CPU time for the table, in seconds. entries: the number of entries of the first orbit."""
         now = process_time()
         entry = (now - self._timed_from) / TIMED
         if not self.table.rests_first:
             return entry * (entries + revisits(entries, self._least_again))
-        # No round leads back to the first orbit, so each of its entries needs a run of its own. After the rounds, the
-        # table has one more orbit, which is assumed to be as long.
+        # The first orbit is that before any round. No round leads back to it, so each entry needs a new run.
+        # All rounds are assumed to lead to one other orbit, of the same length.
         FreeRun(self._covered, self._ignored, self._on_run is not None, self.table.rests_first)
         return entry * (2 * entries + revisits(2 * entries, self._least_again)) + (process_time() - now) * entries
 
     def _compare(self, at: RestPlace, known: TableEntry, entry: TableEntry) -> None:
-        """Raise Contradiction if two runs of an entry differ.
+        """Raise Contradiction if the effects of an entry, `entry`, differ from those of its first run, `known`.
 
-        If the second run is longer, its state of rest must be later in the orbit by the difference of the lengths.
+        The two runs can settle at different times. If the second one settles 5 ticks later, it must do so at a place
+        that is 5 ticks later in the orbit.
         """
         period = self.table.orbits[known.after.orbit]
         tick = (known.after.tick + entry.length - known.length) % period
@@ -290,7 +292,7 @@ class TableMaker:
             )
 
     def _place(self, run: FreeRun) -> RestPlace:
-        """Return the place of the present state of rest. Raise NotClosed if this state does not repeat."""
+        """Return the place of the present rest, and add its orbit if it is new. Raise NotClosed if it has no orbit."""
         state = run.state()
         key = digest(state)
         if key not in self._places:
@@ -299,11 +301,11 @@ class TableMaker:
         return self._places[key]
 
     def _add_orbit(self, run: FreeRun, key: bytes, state: NormalState) -> None:
-        """Advance by one period, and add the orbit that consists of the states of this period.
+        """Advance by one period, and add the states of this period as an orbit.
 
-        If a state of a known orbit is reached within the period, stop in this state, and add no orbit.
+        If a state of another orbit is reached within the period, stop there, and add no orbit.
 
-        key, state: the digest of the present state, and the present state.
+        state, key: the present state, and its digest.
         """
         period, cycle = period_of(run.scene), run.ticks_per_cycle
         table = self.table
@@ -327,14 +329,16 @@ class TableMaker:
 
 
 def revisits(entries: int, least: int) -> int:
-    """Return how many entries of a table with this number of entries are run again: at least `least`."""
+    """Return how many entries are run again: at least `least`, and one in REVISITED of these entries."""
     return max(least, entries // REVISITED)
 
 
 def starts_text(moved: str, apart: str, any_tick: bool) -> str:
-    """Return a phrase that says for which starts a table holds.
+    """Return for which starts a table holds, such as "all sequences of rounds that start at least 4.4001 ms apart".
 
-    moved: "rounds", "frames" or BOTH. apart: the least distance of two starts, as text. any_tick: as in `TableProof`.
+    moved: "rounds", "frames" or BOTH.
+    apart: the least distance of two starts, as text.
+    any_tick: True if rounds can start at any tick; False if they start with a cycle. It only matters for BOTH.
     """
     if moved != BOTH:
         return f"all sequences of {moved} that start at least {apart} apart"

@@ -1,7 +1,7 @@
-"""Shortest ways from one orbit of states of rest to another. `closed_table` defines these terms.
+"""Shortest ways from one orbit of states of rest to another. The glossary in `periph_sim.proof` has the terms.
 
-A way is a sequence of steps, each of which leads from one orbit to another. The module `closed_table` uses the ticks of
-entries as steps. The module `pair_run` uses groups (`pair_groups.Group`) as steps.
+A way is a sequence of steps, each of which leads from one orbit to another. A step is an entry of the table, given by
+its tick in `closed_table`, and by its group in `pair_run`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ T = TypeVar("T")
 
 
 def first_step(ways: Mapping[int, Mapping[int, T]], here: int, is_wanted: Callable[[int], bool]) -> T | None:
-    """Return the first step of a shortest way from an orbit to a wanted one; None if there is no way.
+    """Return the first step of a shortest way from orbit `here` to another, wanted one; None if there is no way.
 
     ways: `ways[orbit][after]` is the step that leads from `orbit` directly to `after`.
-    here: the orbit at which the way begins. It does not count as a wanted orbit.
+    is_wanted: a function that returns True for the number of a wanted orbit.
     """
     first: dict[int, T] = {}
     waiting = deque([here])

@@ -1,12 +1,7 @@
-"""Groups of a case in which rounds and frames start independently, and the runs of such groups.
+"""Groups of a case with rounds and frames, and their runs. The glossary in `periph_sim.proof` has the terms.
 
-    rest ---- R ============ rest          a round alone
-    rest -- X ======= R ======== rest      a frame and a round that overlap
-
-A *group* begins when the scene is at rest (`closed_table`), and ends when it is at rest again. The SCI samples its
-line periodically. Frames that start within one interval of the length of this period, called a *cell*, are received at
-the same instant. `frame_cells` finds the limits of the cells. A frame's place in a group is the distance from the start
-of the round to the first tick of the frame's cell.
+rest ---- R ============ rest          a round alone
+rest -- X ======= R ======== rest      a frame and a round that overlap; its distance R to X is negative
 """
 
 from __future__ import annotations
@@ -32,11 +27,11 @@ PASSES = 4  # a wait must be as before at most this number of passes after a ser
 
 
 class Group(NamedTuple):
-    """A round, a frame, or both, that start from an orbit of states of rest (`closed_table`).
+    """A round, a frame, or both, that start from an orbit.
 
-    round: the tick of the orbit at which the round starts, modulo `Orbits.own` cycles; None for a frame alone.
-    frame: the distance from the round to the first tick of the frame's cell, in ticks; None for a round alone. For a
-        frame alone, it is counted from the beginning of the orbit.
+    round: the tick of the orbit at which the round starts, modulo the own period; None for a frame alone.
+    frame: the distance in ticks from the start of the round to the first tick of the frame's cell; None for a round
+        alone. For a frame alone, it is the tick of the orbit at which the cell begins.
     """
 
     round: int | None
@@ -44,17 +39,16 @@ class Group(NamedTuple):
 
 
 class GroupRun(NamedTuple):
-    """The result of the run of a group. Equal groups have equal results.
+    """The effects of a group, as they were in one run of it.
 
-    after: the number of the orbit after the group.
-    shift: the number of ticks by which the place in this orbit is beyond the place at which the group started plus the
-        elapsed time, modulo the length of the orbit.
-    main, routine: the digests of `GroupDigest`.
-    delay: the number of ticks from the beginning of the frame's cell to the interrupt request of the SCI; 0 for a round
-        alone.
-    length: the number of ticks from the first start to the rest.
-    within: True if the service routine ran within the wait that was given to `run_group`, and the wait then continued;
-        always True if no wait was given.
+    after: the number of the orbit that the group leads to.
+    shift: the distance between the two orbits, in ticks: t - s - n modulo the new period, if the group starts at tick s
+        of the old orbit, and the scene rests n ticks later at tick t of the new orbit. It does not depend on n.
+    main: the digest of all records but those of the service routine. routine: the digest of the routine.
+    delay: the ticks from the beginning of the frame's cell to the interrupt request of the SCI; 0 for a round alone.
+    length: the ticks from the first start to the rest.
+    within: True if the service routine ran in the wait that was given to `run_group`, and the wait then went on; also
+        True if no wait was given.
     """
 
     after: int
@@ -66,14 +60,14 @@ class GroupRun(NamedTuple):
     within: bool
 
     def is_like(self, other: GroupRun) -> bool:
-        """Return True if two runs of a group, or of groups with equal effects, agree."""
+        """Return True if two runs of groups are alike: they are equal except for `length` and `within`."""
         return self[:5] == other[:5]
 
 
 class Sleep(NamedTuple):
-    """A wait: an interval in which the firmware runs a loop whose passes are all equal.
+    """A wait: a time in which the firmware runs a loop whose passes are all equal.
 
-    begin, end: the ticks at which the wait begins and ends, from the start of the round.
+    begin, end: the ticks at which it begins and ends, counted from the start of the round.
     period: the number of ticks of a pass.
     reads: the addresses of the registers that a pass reads, with their values.
     """
@@ -85,12 +79,12 @@ class Sleep(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """The cells of the starts of frames: frames that start in one cell are received at the same instant.
+    """The cells of frames: equal ranges of ticks. Frames that start in one of them are received at the same instant.
 
-    first: the first tick of a cell, modulo `period`.
     period: the number of ticks of a cell, which is the period of the SCI's samples.
-    begins, ends: the least and the greatest number of ticks from the first tick of a cell to the instants at which the
-        service routine is entered, and left.
+    first: the tick at which a cell begins, modulo `period`.
+    begins: the least number of ticks from the beginning of a frame's cell to the entry into the service routine.
+    ends: the greatest number of ticks from the beginning of a frame's cell to the end of the service routine.
     """
 
     first: int
@@ -100,10 +94,10 @@ class Cells(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """The states of rest of one period.
+    """An orbit.
 
-    keys: the digests of the states, one for each cycle.
-    origin: the tick of the first state, modulo the period of the SCI's samples.
+    keys: the digests of its states, one for each cycle of the period.
+    origin: the tick of its first state, modulo the period of the SCI's samples.
     """
 
     keys: tuple[bytes, ...]
@@ -117,8 +111,9 @@ class Orbit(NamedTuple):
 class Orbits:
     """The orbits that were found, and the place of each of their states.
 
-    known: the orbits. places: a dictionary from the digest of a state to its orbit and its cycle in the orbit.
-    own: the period, in cycles, of the part of the state that does not belong to the SCI; 0 before the first orbit.
+    known: the orbits. The index of an orbit is its number.
+    places: for the digest of each state, the number of its orbit, and its cycle in the orbit.
+    own: the own period of all orbits, in cycles; 0 before the first orbit is found.
     """
 
     def __init__(self) -> None:
@@ -134,11 +129,11 @@ class Orbits:
 
 
 class GroupRunner:
-    """A run of a scene with groups, one after the other.
+    """A run that makes groups, one after the other.
 
-    records: the records of the present group.
-    at: the number of the orbit of the present state of rest, and its cycle in the orbit.
-    first_noticed: as `GroupDigest.noticed`, for the time from the first start to the first rest.
+    records: the digests of the last group.
+    at: the present place of rest: the number of its orbit, and the cycle in the orbit.
+    first_noticed: what the firmware notices of the first frame beside its service routine, as text; "" for nothing.
     """
 
     def __init__(
@@ -146,10 +141,10 @@ class GroupRunner:
     ) -> None:
         """Run the first round and the first frame of the case, up to the first rest.
 
-        ignored: as for `normal_state`. cells: None while they are not known.
+        ignored: the ignored attributes. cells: the cells of frames; None while they are not known.
         """
         self.records = GroupDigest()
-        self._requested = [0]  # the tick of the last interrupt request of an SCI's receiver
+        self._requested = [0]  # one item: the tick of the last interrupt request of a receiving SCI
         # The callback does not refer to this object, for the reason given in FreeRun.
         self.run = FreeRun(covered, ignored, False, False, self.records, partial(_note_request, self._requested))
         self.first_noticed = self.records.noticed
@@ -181,16 +176,17 @@ class GroupRunner:
         return self.orbits.places[key]
 
     def run_group(self, group: Group, offset: int = 0, sleep: Sleep | None = None) -> GroupRun:
-        """Run a group from the present state of rest.
+        """Run a group from the present place.
 
-        offset: the number of ticks from the first start in the frame's cell to the start of the frame. A frame of
-            another rate can start before or after the cell (`host_rates`).
-        sleep: the wait that the service routine interrupts, and that must then go on as before; None to check nothing.
+        offset: the start of the frame, counted in ticks from the beginning of its cell. In `host_rates`, it can be
+            negative or beyond the end of the cell.
+        sleep: the wait in which the service routine must come, and which must then go on (`GroupRun.within`); None to
+            check nothing.
         """
         run, cells, cycle = self.run, self.cells, self.cycle
         orbit = self.orbits.known[self.at[0]]
         period, now = orbit.cycles * cycle, run.now
-        from_orbit = now - self.at[1] * cycle  # a tick at which the orbit begins
+        from_orbit = now - self.at[1] * cycle  # the tick at which the present period of the orbit began
         if group.round is None:
             assert group.frame is not None
             at = group.frame
@@ -222,9 +218,9 @@ class GroupRunner:
         return GroupRun(after, shift, self.records.digest, self.records.routine, delay, run.now - first, within)
 
     def check_frame(self, is_sent: bool) -> None:
-        """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI.
+        """Raise NotClosed if the firmware has noticed anything of a frame but one call of the SCI's service routine.
 
-        is_sent: True if a frame was sent; False if the routine must not have run at all.
+        is_sent: True if a frame was sent. If not, the routine must not have been called.
         """
         records = self.records
         if records.noticed:
@@ -233,7 +229,7 @@ class GroupRunner:
             raise NotClosed(f"a frame has {records.services} service routines of the SCI, not one")
 
     def sleeps(self, group: Group) -> list[Sleep]:
-        """Run a round alone and return the waits in it. The first wait has begun before the round."""
+        """Run `group`, a round alone, and return the waits in it. The first one is the wait of the rest before it."""
         run, kernel = self.run, self.run.scene.kernel
         orbit = self.orbits.known[self.at[0]]
         period = orbit.cycles * self.cycle
@@ -257,9 +253,9 @@ class GroupRunner:
         return found
 
     def _asleep(self) -> tuple[int, int, tuple[tuple[int, int], ...]] | None:
-        """Return the cycle at which a pass of the present wait began, the cycles of a pass, and its reads.
+        """Return what is known of the present wait; None if the firmware does not wait.
 
-        Return None if the firmware does not wait.
+        The result has the cycle at which a pass began, the number of cycles of a pass, and its reads as in `Sleep`.
         """
         polls = self._polls
         found = polls.normal_state(0, 0)
@@ -268,7 +264,7 @@ class GroupRunner:
         return polls.began, found["_period"], found["_spin"]
 
     def _waits_until(self, end: int, sleep: Sleep) -> bool:
-        """Advance to the tick before the end of a wait. Return True if the firmware is in this wait then."""
+        """Advance to the tick before `end`, at which a wait ends. Return True if the firmware is still in this wait."""
         if end >= NEVER:
             return True
         self.run.scene.advance(end - 1)
@@ -276,10 +272,10 @@ class GroupRunner:
         return self._goes_on(sleep)
 
     def _goes_on(self, sleep: Sleep) -> bool:
-        """Return True if the firmware is in this wait, and has accessed nothing else since the service routine.
+        """Return True if the firmware is in this wait, and has not done anything else since the service routine.
 
-        Reads of the registers that the wait reads are allowed, because these registers keep their values until the wait
-        ends. The value of any other read could depend on the time at which the routine came.
+        The only accesses since then must be reads of registers that the wait reads. They keep their values until the
+        wait ends. The value of any other read could depend on the time at which the routine came.
         """
         asleep = self._asleep()
         if asleep is None or (asleep[1] * self.cycle, asleep[2]) != (sleep.period, sleep.reads):
@@ -289,7 +285,7 @@ class GroupRunner:
         return self.records.accessed_since <= allowed
 
     def _round_in(self, orbit: Orbit, group: Group) -> int:
-        """Return a tick of an orbit for the start of a group's round, such that the frame starts with a cell."""
+        """Return a tick of an orbit at which the round of a group can start (see `rounds_in`)."""
         assert group.round is not None
         if group.frame is None:
             return group.round
@@ -298,9 +294,10 @@ class GroupRunner:
         return found[0]
 
     def rounds_in(self, orbit: Orbit, tick: int, frame: int) -> list[int]:
-        """Return the ticks of an orbit, from `tick` on in steps of the own period, at which a group's round can start.
+        """Return the ticks of an orbit at which the round of a group can start.
 
-        frame: the distance of the group's frame, which must start with a cell.
+        tick: the tick of the round modulo the own period. One tick in each own period is tried.
+        frame: the distance of the frame. The result has only ticks for which a cell begins at this distance.
         """
         assert self.cells is not None
         first, period = orbit.origin + frame - self.cells.first, self.cells.period
@@ -310,8 +307,8 @@ class GroupRunner:
     def like(self, group: Group) -> Group:
         """Return the group of the present orbit that is most similar to `group`, a group of another orbit.
 
-        Both groups have the same value of `round`. The value of `frame` is increased by as little as possible, such
-        that the frame starts with a cell in the present orbit.
+        The cells begin at other ticks of the present orbit. So the value of `frame` is increased to the next distance
+        at which a cell begins. The value of `round` does not change.
         """
         orbit = self.orbits.known[self.at[0]]
         if group.frame is None:
@@ -323,7 +320,7 @@ class GroupRunner:
         return next(Group(group.round, one) for one in distances if self.rounds_in(orbit, group.round, one))
 
     def _add_orbit(self) -> None:
-        """Advance by one period, and add the orbit of the present state."""
+        """Advance by one period, and add the states of this period as an orbit."""
         run, orbits = self.run, self.orbits
         if len(orbits.known) == MOST_ORBITS:
             raise NotClosed(f"there are more than {MOST_ORBITS} states of rest, apart from the clocks")
@@ -347,7 +344,7 @@ class GroupRunner:
         orbits.add(Orbit(tuple(keys), origin))
 
     def sci_period(self) -> int:
-        """Return the number of cycles between two samples of the SCI."""
+        """Return the number of cycles from one sample of the SCI to the next."""
         periods = {p for name, p in periods_of(self.run.scene).items() if name.startswith(self._sci)}
         if len(periods) != 1:
             raise NotClosed("it has more than one SCI, or none is on")
@@ -369,7 +366,7 @@ def has_external_interrupt(dsp: Dsp) -> bool:
 
 
 def far_ranges(sleeps: Sequence[Sleep], cells: Cells, cycle: int) -> list[tuple[int, int, Sleep]]:
-    """Return, as (least, greatest, wait), the distances of frames whose service routine is well within each wait."""
+    """Return, for each wait, the least and greatest distance of frames whose routine is surely in it, and the wait."""
     found = []
     for sleep in sleeps:
         least = sleep.begin - cells.begins + MARGIN * cycle

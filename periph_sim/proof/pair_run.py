@@ -1,8 +1,8 @@
-"""Runs of groups (`pair_groups`), in this process or in others.
+"""Runs of groups, in this process or in others. The glossary in `periph_sim.proof` has the terms.
 
     tasks: groups --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
 
-A run of a scene has many groups, one after the other.
+A run of a scene makes many groups, one after the other.
 """
 
 from __future__ import annotations
@@ -26,14 +26,16 @@ from .pair_groups import Cells, Group, GroupRun, GroupRunner, Orbit, Orbits, Sle
 from .stretch import CoveredCase, Job, Outcome
 
 STARTS = ("rounds", "frames")
-MOST_TRIES = 100  # maximum number of groups and new runs, in total, that are tried to reach an orbit
-CHUNK = 256  # number of groups in one run
+MOST_TRIES = 100  # maximum number of groups and new scenes, in total, that are tried to reach an orbit
+CHUNK = 256  # number of groups in one call of `run_tasks`, and about as many in one scene
 
 
 class Task(NamedTuple):
     """A group to run.
 
-    orbit: the number of the orbit from which it starts. offset, sleep: as for `GroupRunner.run_group`.
+    orbit: the number of the orbit from which it starts.
+    offset: the start of the frame, counted in ticks from the beginning of its cell.
+    sleep: the wait in which the service routine must come, and which must then go on; None to check nothing.
     """
 
     orbit: int
@@ -43,8 +45,10 @@ class Task(NamedTuple):
 
 
 class Known(NamedTuple):
-    """The part of the table that a run of groups needs.
+    """What earlier runs of the table have found, as far as a run of groups needs it.
 
+    orbits: the orbits.
+    cells: the cells of frames; None while they are not known.
     ways: `ways[orbit][after]` is a group that leads from `orbit` to `after`.
     """
 
@@ -54,13 +58,17 @@ class Known(NamedTuple):
 
 
 class Done(Struct):
-    """The outcome of runs of groups.
+    """The outcome of a call that runs groups.
 
-    runs: the runs of the tasks, in order.
-    before: the number of orbits that were known before these runs. orbits: the orbits that these runs found.
-    outcomes, frames, rounds: for each run of a scene, its outcome and its starts.
-    first_rest: the tick of the first rest, from the start of the run.
-    spanning, lacking, empty: see `MeasuresAtRest`. unknowns: see `CoveredCase`. data_use: see `FreeRun`.
+    before: the number of orbits that were known before the call.
+    runs: the runs of the groups, in the order of the tasks.
+    orbits: the orbits that the call found. Their numbers begin with `before`.
+    outcomes: the outcomes of the runs of scenes.
+    frames, rounds: for each run of a scene, the ticks of the starts of its frames and of its rounds.
+    first_rest: the tick of the first rest, counted from the start of a run.
+    spanning, lacking, empty: the budgets with these properties, as in `MeasuresAtRest`.
+    unknowns: the names of the options whose answers the runs have used.
+    data_use: the first use of the data of a frame that decides what the firmware does, as text; "" for none.
     """
 
     before: int
@@ -78,7 +86,7 @@ class Done(Struct):
 
 
 class PairRun:
-    """Runs groups, in as many runs of scenes as necessary. done: the outcome of the runs that have ended."""
+    """Runs groups, in as many runs of scenes as necessary. done: the outcome of the scenes that have ended."""
 
     def __init__(self, covered: CoveredCase, ignored: Sequence[str], known: Known) -> None:
         self._covered, self._ignored, self._known = covered, ignored, known
@@ -87,10 +95,10 @@ class PairRun:
         self._begin()
 
     def run_all(self, tasks: Sequence[Task]) -> list[GroupRun]:
-        """Run groups and return their runs, in the order of `tasks`.
+        """Run the groups of these tasks, and return their runs in the order of `tasks`.
 
-        The next group is one from the present orbit, if such a group is left, so that few runs are made only to reach
-        another orbit. Raise NotClosed if an orbit cannot be reached.
+        They are run in another order: groups that start from the present orbit come first, because it takes further
+        groups to reach another orbit. Raise NotClosed if an orbit cannot be reached.
         """
         left: dict[int, list[int]] = {}  # for each orbit, the indices of its tasks that are left, last one first
         for index in reversed(range(len(tasks))):
@@ -106,7 +114,7 @@ class PairRun:
         return [runs[index] for index in range(len(tasks))]
 
     def run(self, task: Task) -> GroupRun:
-        """Run a group from its orbit. Raise NotClosed if the orbit cannot be reached."""
+        """Go to the orbit of a task, and run its group. Raise NotClosed if the orbit cannot be reached."""
         if len(self.runner.run.frames) + len(self.runner.run.rounds) > 2 * CHUNK:
             self.end()
             self._begin()
@@ -114,10 +122,9 @@ class PairRun:
         return self._group(task.group, task.offset, task.sleep)
 
     def reach(self, orbit: int) -> None:
-        """Advance to an orbit. Raise NotClosed if it cannot be reached.
+        """Run groups until the scene rests in orbit `orbit`. Raise NotClosed if it cannot be reached.
 
-        If no way is known, two steps are tried in turn: a group like the one that was run last, and a new run of a
-        scene.
+        If no way to it is known, two steps are tried in turn: a group that is similar to the last one, and a new scene.
         """
         for tries in range(MOST_TRIES):
             if self.runner.at[0] == orbit:
@@ -147,12 +154,14 @@ class PairRun:
         done.orbits = self._known.orbits.known[done.before :]
 
     def _begin(self) -> None:
+        """Begin a new run of a scene, and advance to its first rest."""
         self.runner = GroupRunner(self._covered, self._ignored, self._known.orbits, self._known.cells)
         self._measures = MeasuresAtRest(self.runner.run.scene.limits, [Kind.BUS])
         self._measures.rest(self.runner.run.now, STARTS)
         self.done.first_rest = self.runner.run.now - self.runner.run.scene.start
 
     def _group(self, group: Group, offset: int = 0, sleep: Sleep | None = None) -> GroupRun:
+        """Run a group from the present orbit, note the way that it is, and return its run."""
         orbit = self.runner.at[0]
         found = self.runner.run_group(group, offset, sleep)
         self._known.ways.setdefault(orbit, {}).setdefault(found.after, group)
@@ -163,9 +172,11 @@ class PairRun:
 
 
 def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int, rounds: Sequence[int]) -> list[Group]:
-    """Return the groups of an orbit that are a round alone or a frame alone.
+    """Return the rounds alone and the frames alone that start from orbit `number`.
 
-    cycle: the number of ticks of a cycle. rounds: the ticks at which rounds start.
+    cells: the cells of frames; None for no frames.
+    cycle: the number of ticks of a cycle.
+    rounds: the ticks of the orbit at which rounds start.
     """
     orbit, groups = orbits.known[number], [Group(at, None) for at in rounds]
     if cells is not None:
@@ -175,7 +186,10 @@ def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int, rounds: 
 
 
 def run_tasks(job: Job, ignored: Sequence[str], known: Known, tasks: Sequence[Task]) -> Done:
-    """Run groups. Another process can call this. The outcome depends on the arguments only."""
+    """Run groups in new scenes, and return the outcome. Worker processes call this.
+
+    job: the case. ignored: the ignored attributes. The outcome depends on the arguments only.
+    """
     pair = PairRun(within_round(case_of(job, Path.cwd())), ignored, deepcopy(known))
     pair.done.runs += pair.run_all(tasks)
     pair.end()

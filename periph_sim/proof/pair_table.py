@@ -1,16 +1,17 @@
-"""Closed table of a case in which rounds and frames start independently of each other.
+"""Closed table of a case with rounds and frames. The glossary in `periph_sim.proof` has the terms.
 
     orbit --> rounds and frames alone --> waits in a round --> groups: one by one near the ends of waits,
                                                                first and last of each cell within a wait
 
-A group (`pair_groups`) is a round, a frame, or both together. Its place in the table is the cycle at which the round
-starts, and the distance of the frame's cell. A frame affects the rest of the scene only by the service routine of the
-SCI, which runs at a fixed time after the frame's cell, so two groups with equal places continue equally.
+The entries of this table are groups. A frame affects the rest of the scene only by the service routine of the SCI,
+which runs at a fixed time after the beginning of the frame's cell. So two runs of one group are alike.
 
-If the routine runs while the firmware waits in a loop, the wait then continues as before, but its passes come later. So
-all groups whose routine begins at the same tick of a pass of one wait have the same effect: they are one `Cell`, a cell
-of groups. Only the first and the last group of a cell are run, and must agree. Groups that are in no cell are run one
-by one. Random groups, some of them from within cells, are run again after other groups, and must agree, too.
+If the routine runs in a wait, the wait then goes on as before, only with later passes. So all groups whose routine
+begins at the same tick of a pass of this wait are alike: they are a cell of groups. Only its first and its last group
+are run, and must be alike. Groups that are in no cell are run one by one. Random groups, also from the middle of cells,
+are run again after other groups.
+
+In this file, a *cell* is a cell of groups, unless it is said to be a frame's.
 """
 
 from __future__ import annotations
@@ -37,16 +38,18 @@ from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges
 from .pair_run import CHUNK, STARTS, Done, Known, PairRun, Task, alone, run_tasks
 from .stretch import CoveredCase, Job
 
-MOST_SHRINKS = 32  # maximum number of times that the first and last group of a cell are removed because they differ
-TIMED = 400  # number of random groups that are run first, to reach most orbits and to estimate the CPU time
+MOST_SHRINKS = 32  # maximum number of times that a cell is made smaller because its first and last group are not alike
+TIMED = 400  # number of random groups that are run first, to find most orbits and to estimate the CPU time
 CALLS = 64  # maximum number of calls of `run_tasks` that are made at the same time
-NEAR_ENDS = 2  # one in NEAR_ENDS of the groups that are run again is a random group of a cell
+NEAR_ENDS = 2  # of the groups that are run again, one in NEAR_ENDS is in a cell; the others were run before
 
 
 class Cell(NamedTuple):
-    """Groups with equal effects, which differ only in the distance of the frame: first, first + step, ... last.
+    """A cell of groups.
 
-    sleep: the wait that their service routines interrupt.
+    orbit, round: the orbit, and the tick R of the orbit, of all these groups.
+    first, last, step: their distances are first, first + step, ... last, in ticks. A step is a number of passes.
+    sleep: the wait in which their service routines come.
     """
 
     orbit: int
@@ -58,6 +61,7 @@ class Cell(NamedTuple):
 
     @property
     def groups(self) -> int:
+        """The number of groups."""
         return (self.last - self.first) // self.step + 1
 
     def shrunk(self) -> Cell:
@@ -66,7 +70,7 @@ class Cell(NamedTuple):
 
 
 class KnownGroup(NamedTuple):
-    """A group of the table. orbit: the number of the orbit from which it starts. run: a run with its effects."""
+    """A group of the table. orbit: the orbit from which it starts. run: a run of it, or of a group that is alike."""
 
     orbit: int
     group: Group
@@ -74,17 +78,19 @@ class KnownGroup(NamedTuple):
 
 
 class PairMaker:
-    """Makes the table of a case in which rounds and frames start independently.
+    """Makes the table of a case with rounds and frames: call `explore`, `estimate` and `make`, in this order.
 
-    on_progress: called with the fraction of the known groups that were run, 0 to 1.
-    on_estimate: called with the number of groups, and an estimate of the CPU time in seconds.
-    call_all: makes the calls that run groups.
+    job: the case, in a form that can be sent to another process.
+    ignored: the ignored attributes.
+    on_progress: called with the fraction of the expected groups that were run, 0 to 1.
+    on_estimate: called with the expected number of groups, and the estimated CPU time in seconds.
+    call_all: makes the calls that run groups, possibly in other processes.
     least_again: the least number of groups that are run again.
     any_tick: True if rounds can start at any tick, False if they start with a cycle of the CPU.
     covered: the case, without the budgets that the table cannot judge.
-    long: see `FreeRun`.
-    runs: the runs so far, by the number of the orbit and the group.
-    cells: the cells of groups so far.
+    long: the number of ticks after which an instant is long past.
+    runs: the first run of each group, by (number of the orbit, group).
+    cells: the cells of groups that were found so far.
     """
 
     def __init__(
@@ -112,9 +118,9 @@ class PairMaker:
         self._expected = 0  # expected number of groups to run
 
     def make(self) -> StartTable:
-        """Return the table, once it is closed or a run has failed. Call `explore` before.
+        """Run groups until the table is closed or a run has failed, and return it. Call `explore` before.
 
-        Raise NotClosed if it cannot be closed, or if two runs of a group differ.
+        Raise NotClosed if the table cannot be closed, or if two runs of a group are not alike.
         """
         table = self.table
         closed = 0
@@ -124,13 +130,13 @@ class PairMaker:
             closed = numbers.stop
         if not table.has_failed:
             self._again()
-        table.apart += self.long  # within a cell, the rest can come later by a step of `FreeRun.settle`
+        table.apart += self.long  # in a group that is not run, the rest can come later by a step of `FreeRun.settle`
         return table
 
     # Steps --------------------------------------------------------------------------
 
     def explore(self) -> PairRun:
-        """Find the cells of frames, and most of the orbits. Return the last `PairRun`."""
+        """Find the cells of frames, and most of the orbits. Return the last `PairRun`, which has ended."""
         known = Known(self._orbits, None, self._ways)
         pair = PairRun(self.covered, self._ignored, known)
         self._frames = pair.runner.cells = find_cells(pair.runner)
@@ -158,7 +164,7 @@ class PairMaker:
         return pair
 
     def estimate(self, rates: Sequence[int] = ()) -> None:
-        """Call `on_estimate`. rates: for each rate of the host that is run in addition, the number of its starts."""
+        """Call `on_estimate`. rates: for each other rate of the host that will be run, the number of its starts."""
         groups = self._expected + revisits(self._expected, self._least_again)
         if rates:
             groups += self._least_again + 3 * sum(rates)  # `host_rates` runs three frames for each start
@@ -166,7 +172,10 @@ class PairMaker:
         self._on_estimate(self._expected, self._seconds * groups + self._scene_seconds * scenes)
 
     def _close(self, numbers: Sequence[int]) -> None:
-        """Run the groups from these orbits: the first and last group of each cell, and all that are in no cell."""
+        """Run all entries of these orbits: groups in no cell, and of each cell of groups the first and the last one.
+
+        If these two are not alike, they become groups in no cell, and the next two groups of the cell are run.
+        """
         pair = PairRun(self.covered, self._ignored, self.known)
         waits = {number: self.find_waits(pair, number) for number in numbers}
         pair.end()
@@ -183,7 +192,7 @@ class PairMaker:
         # each call has groups from all these orbits (`PairRun.run_all`)
         self._run([task for some in zip_longest(*(tasks for tasks, _ in found)) for task in some if task is not None])
         cells = [cell for _, cells in found for cell in cells]
-        within = [sum(cell.groups - 2 for cell in cells) for _, cells in found]  # groups that are in cells and not run
+        within = [sum(cell.groups - 2 for cell in cells) for _, cells in found]  # groups that are not run
         for _ in range(MOST_SHRINKS):
             if self.table.has_failed:
                 return
@@ -196,7 +205,7 @@ class PairMaker:
         self.table.orbits += [len(self._alone(number)) + len(tasks) + inner for number, (tasks, _), inner in counts]
 
     def _again(self) -> None:
-        """Run random groups again, and compare them with the first runs."""
+        """Run random groups again. Raise NotClosed if one is not like its first run."""
         known = list(islice(self.random_groups(), revisits(len(self.runs), self._least_again)))
         tasks = [
             Task(one.orbit, one.group, self._random.randrange(self._most_offset(one.group) + 1), None) for one in known
@@ -208,9 +217,9 @@ class PairMaker:
             self.table.again = len(known)
 
     def random_groups(self, number: int | None = None, is_alone: bool | None = None) -> Iterator[KnownGroup]:
-        """Yield random groups of the table, without end: some that were run, and some from within cells.
+        """Yield random groups of the table, without end, in turn one of a cell and one that was run.
 
-        number: only groups from this orbit; None for all orbits.
+        number: the number of the orbit from which they start; None for all orbits.
         is_alone: True for frames alone, False for groups with a round and a frame, None for all groups.
         """
 
@@ -236,18 +245,19 @@ class PairMaker:
         return Known(self._orbits, self._frames, self._ways)
 
     def _alone(self, number: int) -> list[Group]:
+        """Return the rounds alone and frames alone that start from an orbit. number: its number."""
         return alone(self._orbits, number, self._frames, self._cycle, self._rounds())
 
     def _rounds(self) -> list[int]:
-        """Return the ticks of an orbit at which rounds are started, modulo the orbit's own period."""
+        """Return the ticks at which rounds are started, in one own period of an orbit."""
         return [cycle * self._cycle + place for cycle in range(self._orbits.own) for place in self._places]
 
     def _most_offset(self, group: Group) -> int:
-        """Return the greatest number of ticks from the first start in the frame's cell to the start of the frame."""
+        """Return the offset of the last tick in a frame's cell; 0 for a round alone."""
         return 0 if group.frame is None else self._frames.period - 1
 
     def find_waits(self, pair: PairRun, number: int) -> dict[int, list[Sleep]]:
-        """Return, for each tick of an orbit at which a round is started, the waits in this round alone."""
+        """Return the waits in each round alone from orbit `number`, by the tick at which the round starts."""
         waits = {}
         for tick in self._rounds():
             pair.reach(number)
@@ -255,9 +265,9 @@ class PairMaker:
         return waits
 
     def tasks(self, number: int, waits: Mapping[int, Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
-        """Return the groups with a round and a frame that must be run from an orbit, and the cells of the orbit.
+        """Return the groups with a round and a frame to run from orbit `number`, and the cells of this orbit.
 
-        Of each cell, only the first and the last group are among the groups to run.
+        Of each cell, only the first and the last group are to be run. waits: as `find_waits` returns them.
         """
         tasks: list[Task] = []
         cells: list[Cell] = []
@@ -269,7 +279,7 @@ class PairMaker:
         for tick, sleeps in waits.items():
             first = least + (frames.first - orbit.origin - tick - least) % step
             distances = range(first, most + 1, step)
-            near = 0  # index of the first distance that is in no task yet
+            near = 0  # index of the first distance that no task or cell has yet
             for low, high, sleep in far_ranges(sleeps, frames, self._cycle):
                 apart = sleep.period * step // gcd(sleep.period, step)
                 begin = max(near, -(-(low - first) // step))
@@ -286,15 +296,17 @@ class PairMaker:
         return tasks, cells
 
     def _ends(self, cell: Cell) -> tuple[Task, Task]:
-        """Return the first group of a cell, at the first tick of the frame's cell, and its last group, at the last."""
+        """Return the first group of a cell, with offset 0, and the last one, with the greatest offset of a frame."""
         first, last = (Group(cell.round, frame) for frame in (cell.first, cell.last))
         return Task(cell.orbit, first, 0, cell.sleep), Task(cell.orbit, last, self._frames.period - 1, cell.sleep)
 
     def _near(self, orbit: int, tick: int, distances: range) -> Iterator[Task]:
+        """Yield the groups with these distances. The offset of the frame is in turn 0 and the greatest one."""
         for number, distance in enumerate(distances):
             yield Task(orbit, Group(tick, distance), self._frames.period - 1 if number % 2 else 0, None)
 
     def _is_cell(self, cell: Cell) -> bool:
+        """Return True if the first and the last group of a cell are alike, and stay in the wait."""
         first, last = self._of(cell, cell.first), self._of(cell, cell.last)
         return first.within and last.within and first.is_like(last)
 
@@ -304,7 +316,7 @@ class PairMaker:
     # Runs ---------------------------------------------------------------------------
 
     def _run(self, tasks: Sequence[Task], keep: bool = True) -> list[GroupRun]:
-        """Run groups, and return their runs in order, up to the first failure. keep: True to add them to the table."""
+        """Run groups, up to the first failure, and return their runs in order. keep: True to add them to the table."""
         found: list[GroupRun] = []
         for done in self._outcomes(tasks):
             runs = self._add(done)
@@ -320,8 +332,8 @@ class PairMaker:
     def _outcomes(self, tasks: Sequence[Task]) -> Iterator[Done]:
         """Run groups, and yield the outcome of each CHUNK of them, in order.
 
-        The orbits that the first CALLS calls find are known to the next ones. So the arguments of a call do not depend
-        on the number of processes.
+        CALLS calls are made at a time, with what is known then. What they find is known to the next CALLS calls. So the
+        arguments of a call do not depend on the number of processes.
         """
         for first in range(0, len(tasks), CHUNK * CALLS):
             known, some = deepcopy(self.known), tasks[first : first + CHUNK * CALLS]
@@ -329,7 +341,10 @@ class PairMaker:
             yield from self._call_all(run_tasks, [(self._job, self._ignored, known, one) for one in chunks])
 
     def _add(self, done: Done) -> list[GroupRun]:
-        """Add the outcome of runs to the table. Return the runs, with the numbers of orbits in the table."""
+        """Add the outcome of a call to the table, and return its runs of groups.
+
+        The call has numbered the orbits that it found. The returned runs have the numbers of these orbits in the table.
+        """
         table = self.table
         table.first_rest = done.first_rest
         table.apart = max(table.apart, done.first_rest - min(self.covered.phases.first_starts().values()) + 1)
@@ -354,7 +369,7 @@ class PairMaker:
         return runs
 
     def _keep(self, orbit: int, group: Group, run: GroupRun) -> None:
-        """Add the run of a group to the table, or compare it with the first run of the group."""
+        """Add the first run of a group to the table. Raise NotClosed if a further run is not like the first one."""
         known = self.runs.setdefault((orbit, group), run)
         self._compare(orbit, group, known, run)
         self._ways.setdefault(orbit, {}).setdefault(run.after, group)
@@ -362,17 +377,18 @@ class PairMaker:
         self.table.entries = len(self.runs)
 
     def _compare(self, orbit: int, group: Group, known: GroupRun, run: GroupRun) -> None:
+        """Raise NotClosed if a run of a group is not like an earlier one, `known`. orbit: where the group starts."""
         if not run.is_like(known):
             what = f"{group} from orbit {orbit}: {known} and {run}"
             raise NotClosed(f"two runs of one meeting differ, so more than the service routine matters ({what})")
 
 
 def round_offsets(covered: CoveredCase, cycle: int) -> tuple[int, ...]:
-    """Return the ticks in a cycle at which rounds are run, so that they stand for all ticks of the cycle.
+    """Return the ticks in a cycle at which rounds are run, which stand for all ticks of the cycle.
 
-    All delays of a controller, and a cycle, are multiples of some number of ticks, the grid. The unit acts when cycles
-    begin. So rounds that start between the same two multiples of the grid have all events in the same order, and the
-    times between their events change linearly. The first and the last of them are run, and the multiples themselves.
+    For example, if a cycle has 20 ticks and all delays of the controller are multiples of 10, these are 0, 1, 9, 10, 11
+    and 19. The unit acts when cycles begin. So rounds that start 1 to 9 ticks after that have all events in the same
+    order, and the times between events change linearly with the start. The first and the last of them are run.
 
     cycle: the number of ticks of a cycle.
     """

@@ -199,8 +199,8 @@ class TableMaker:
         table.first_rest = run.now - run.scene.start
         place = self._place(run)
         if not self.table.rests_first:
-            table.apart = max(table.apart, table.first_rest - self._starts(run)[0] + 1)
-            first = self._starts(run)[0]
+            (first,) = run.frames or run.rounds  # only one of them moves
+            table.apart = max(table.apart, table.first_rest - first + 1)
             self.first = TableEntry(place, run.now - run.scene.start - first, run.records.digest)
         begun: list[RestPlace] = []
         for _ in range(self._rounds):
@@ -211,7 +211,7 @@ class TableMaker:
                 break
             begun.append(RestPlace(place.orbit, tick))
             place = self._round(run, measures, place, tick)
-        table.starts.append(self._starts(run))
+        table.starts.append(run.frames or run.rounds)
         table.outcomes.append(self._covered.finish(run.scene))
         table.data_use = table.data_use or run.data_use
         measures.finish(table.outcomes[-1].verdicts)
@@ -220,9 +220,6 @@ class TableMaker:
         table.spanning |= measures.spanning
         # a budget without a value in one round has no verdict in a run that repeats this round
         table.lacking |= measures.lacking | {name for _, name in measures.empty}
-
-    def _starts(self, run: FreeRun) -> list[int]:
-        return run.frames if self._covered.phases.moved == "frames" else run.rounds
 
     def _next_tick(self, place: RestPlace) -> int | None:
         """Return the tick at which the next round starts, in the orbit of `place`, where the scene rests.

@@ -224,9 +224,8 @@ def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: 
     status: the method `Coverer.status`, which adds more results to `found.failed`.
     bounds: the first and the last phase that may be run.
     """
-    names = sorted({name for failures in found.failed.values() for name in failures})
     windows: list[Window] = []
-    for name in names:
+    for name in sorted(set[str]().union(*found.failed.values())):
         for group in _groups(name, found):
             windows.append(_window(name, group, found, status, bounds))
     return sorted(_merged(windows), key=_place)

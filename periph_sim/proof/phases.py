@@ -279,11 +279,10 @@ def moved_starts(case: Case) -> Moved:
 def _grid(plan: ScenePlan) -> Grid:
     """Return the due times at which the periods begin. Phases are counted from these times."""
     start = plan.ticks.start
-    if plan.case.controller is not None:
-        return Grid(start + plan.head.schedule.first, Fraction(plan.head.schedule.period))
-    if plan.case.host is not None:
-        return Grid(start + plan.host[0].first, Fraction(plan.host[0].period))
-    return Grid(start, SERIAL_SPAN * plan.ticks.timebase.per_second)
+    if plan.case.controller is None and plan.case.host is None:
+        return Grid(start, SERIAL_SPAN * plan.ticks.timebase.per_second)
+    schedule = plan.host[0] if plan.case.controller is None else plan.head.schedule
+    return Grid(start + schedule.first, Fraction(schedule.period))
 
 
 def _jitter(plan: ScenePlan, moved: Moved) -> int:

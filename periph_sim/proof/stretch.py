@@ -139,10 +139,6 @@ class CoveredCase:
         what = "there is no budget that a single round or phase can break; add one, such as a limit of `reaction`"
         return self.case.mistake(what + (f" ({reasons})" if reasons else ""), "budget")
 
-    def scene(self, phases: Sequence[int], seed: int) -> Scene:
-        """Return a scene, not yet run, in which the moved starts have these phases."""
-        return self.scene_of(*self.phases.inputs(phases), seed)
-
     def scene_of(
         self,
         inputs: InputsTable,
@@ -249,8 +245,7 @@ class CoveredCase:
 def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:
     """Return the free inputs of a case that are not covered, as a dictionary from the name of each to the reason."""
     found: dict[str, str] = {}
-    moved = {"frames": case.host, "rounds": case.controller}.get(phases.moved)
-    if moved is not None and moved.jitter:
+    if phases.jitter:
         found["host.jitter" if phases.moved == "frames" else "controller.jitter"] = "each start comes at its phase"
     if phases.moved == "frames" and case.host is not None and case.host.frames is not None:
         found["host.frames"] = "frames are sent in each period"

@@ -122,7 +122,7 @@ def _findings(
     for (phases, seed), saved in runs.items():
         at = phase_text(phases, file.choice)
         try:
-            result = covered.scene(phases, seed).run()
+            result = covered.scene_of(*covered.phases.inputs(phases), seed).run()
         except REFUSED as error:
             yield None, f"at {at} of {path.as_posix()}, the run is ended: {error}; {RENEW}"
             continue

@@ -63,7 +63,8 @@ def saved_worst(case: Path, verdicts: Sequence[Verdict]) -> dict[str, SavedWorst
 
 def _at_phases(case: Path, choice: Choice, worst: Worst) -> SavedWorst:
     """Return the worst occurrence of a budget in a coverage."""
-    scene = CoveredCase(Job(str(case), rounds=choice.rounds)).scene(worst.phases, worst.seed)
+    covered = CoveredCase(Job(str(case), rounds=choice.rounds))
+    scene = covered.scene_of(*covered.phases.inputs(worst.phases), worst.seed)
     text = f"at {phase_text(worst.phases, choice)}, the worst of {coverage_path(case)}:"
     return _again(scene, worst.verdict.name, text, {"phases": list(worst.phases), "seed": worst.seed})
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 from types import SimpleNamespace
@@ -147,10 +148,61 @@ def test_the_register_slave_has_a_closed_table(monkeypatch: pytest.MonkeyPatch):
     """It sleeps in IDLE, so only the four cycles of LSPCLK repeat. Four runs are necessary to run 200 entries again."""
     monkeypatch.setattr(closed_table, "ROUNDS_A_RUN", 60)
     path = TIMING / "variants" / "image_register_slave.toml"
-    case = covered(path)
-    table = TableMaker(case).make()
+    case, begun = covered(path), list[Sequence[RestPlace]]()
+    maker = TableMaker(case, on_run=lambda run, places: begun.append(places))
+    table = maker.make()
     assert (table.orbits, table.entries, table.again, table.has_failed) == ([80], 80, 200, False)
     assert table.not_proven(case, table.apart) == {}
+    assert len({place.tick for places in begun[-4:] for place in places}) > 60  # of those that were run again
+    length = min(entry.length for entry in maker.entries.values())
+    assert {(two - one - length) // 80 for one, two in pairwise(table.starts[-1])} == {0, 1, 2}  # rests, in periods
+
+
+def test_what_measures_note_at_rests_is_in_the_table(monkeypatch: pytest.MonkeyPatch):
+    """A budget without a value in a round is lacking, too."""
+    finished: list[object] = []
+    measures = SimpleNamespace(spanning={"long"}, lacking={"few"}, empty={("rounds", "none")}, finish=finished.append)
+    measures.rest = lambda now, starts=(): None
+    monkeypatch.setattr(closed_table, "MeasuresAtRest", lambda limits: measures)
+    monkeypatch.setattr(closed_table, "ROUNDS_A_RUN", 2)
+    maker = TableMaker(covered(TIMING / "variants" / "image_register_slave.toml"))
+    maker._run(again=0)
+    assert (maker.table.spanning, maker.table.lacking, len(finished)) == ({"long"}, {"few", "none"}, 1)
+
+
+class Repeating:
+    """A run at rest whose state follows from the cycle. A cycle has 10 ticks."""
+
+    ticks_per_cycle = 10
+    scene = None
+
+    def __init__(self, value_at: Callable[[int], object], cycle: int = 0) -> None:
+        self._value_at, self.cycle = value_at, cycle
+
+    def state(self) -> NormalState:
+        return {"value": self._value_at(self.cycle)}
+
+    def next_cycle(self) -> None:
+        self.cycle += 1
+
+    def not_repeating(self, *states: NormalState) -> NotClosed:
+        return NotClosed("it does not repeat")
+
+
+def test_an_orbit_has_each_state_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The clocks repeat after 40 cycles, and the states after 10. A state of the start-up comes before some of them."""
+    monkeypatch.setattr(closed_table, "period_of", lambda scene: 40)
+    maker = TableMaker(covered(write_echo(tmp_path)))
+
+    def place(value_at: Callable[[int], object], cycle: int = 0) -> RestPlace:
+        run: Any = Repeating(value_at, cycle)
+        return maker._place(run)
+
+    assert [place(lambda cycle: cycle % 10, cycle) for cycle in (0, 3, 9)] == [RestPlace(0, at) for at in (0, 30, 90)]
+    assert place(lambda cycle: cycle % 10 if cycle > 4 else "start-up") == RestPlace(0, 50)
+    assert (maker.table.orbits, maker._open) == ([100], [[*range(100)]])
+    with pytest.raises(NotClosed, match="it does not repeat"):
+        place(lambda cycle: ("other", cycle % 11))
 
 
 @pytest.mark.parametrize("rests_first", [True, False])

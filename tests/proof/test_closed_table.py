@@ -205,6 +205,19 @@ def test_an_orbit_has_each_state_once(tmp_path: Path, monkeypatch: pytest.Monkey
         place(lambda cycle: ("other", cycle % 11))
 
 
+def test_runs_are_made_until_no_orbit_has_an_entry_that_was_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    left = [[[1], [3]], [[], [3]], [[], []]]  # after each run, the ticks of the open entries of two orbits
+    maker = TableMaker(covered(write_echo(tmp_path)), least_again=0)
+
+    def run(again: int) -> None:
+        maker.table.orbits, maker._open = [20, 20], left.pop(0)
+        maker.entries[RestPlace(0, len(left))] = TableEntry(RestPlace(0, 0), 100, 5)
+
+    monkeypatch.setattr(maker, "_run", run)
+    maker.make()
+    assert left == []
+
+
 @pytest.mark.parametrize("rests_first", [True, False])
 def test_the_least_distance_of_starts_is_a_tick_longer_than_the_longest_round(
     rests_first: bool, monkeypatch: pytest.MonkeyPatch

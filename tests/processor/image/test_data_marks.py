@@ -110,6 +110,7 @@ def test_uses_of_data_that_decide(source: str, how: str | None) -> None:
         (0x6F86, "GPAMUX1"),
         (0x6FE0, "GPIOXINT1SEL"),
         (0x701C, "PCLKCR0"),
+        (0x701E, "LPMCR0"),
         (0x7054, ""),  # SCICTL2
         (0x705B, ""),  # SCIFFRX
         (0x6FC2, ""),  # GPASET

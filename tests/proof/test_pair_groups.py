@@ -148,6 +148,14 @@ def test_a_wait_has_passes_without_limit(asleep: bool, most: int, found: Asleep 
     assert runner._asleep() == found
 
 
+def test_a_group_of_another_orbit_has_the_next_distance_at_which_the_frame_starts_with_a_cell():
+    """In the present orbit, cells begin at ticks 20, 100, 180, 260 and 340. The last one is 10 ticks after a round."""
+    runner = Invented()
+    assert runner.like(Group(30, None)) == Group(30, None)
+    assert runner.like(Group(None, 25)) == Group(None, 100)
+    assert (runner.like(Group(30, 10)), runner.like(Group(30, 0))) == (Group(30, 10), Group(30, 10))
+
+
 def test_the_request_of_a_frame_is_the_last_rise_of_a_flag_of_a_receiver():
     requested = [0]
     for tick, what, value in (
@@ -221,6 +229,12 @@ def test_an_orbit_has_the_states_of_one_period_and_the_place_of_the_first_one(pe
     assert (orbit.cycles, orbit.origin, runner.orbits.own, runner.run.now) == (40, 1030 % 80, 10, 1030 + 400)
     runner.run.now += 50
     assert runner.place() == (0, 5) and len(runner.orbits.known) == 1
+
+
+def test_the_own_period_of_firmware_that_sleeps_is_a_cycle(periods: dict[str, int], monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(pair_groups, "period_of", lambda scene: 8)
+    runner = Repeating([0], range(8))
+    assert (runner.place(), runner.orbits.own) == ((0, 0), 1)
 
 
 @pytest.mark.parametrize(

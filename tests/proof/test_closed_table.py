@@ -236,20 +236,20 @@ def test_the_least_distance_of_starts_is_a_tick_longer_than_the_longest_round(
 def test_budgets_that_do_not_follow_from_single_rounds_of_the_table_are_not_proven():
     """The first starts of the runs are at ticks 60 and 50."""
     names = ["proven", "from the first", "late", "long", "few", "far"]
-    looks_back = {name: {"this round"} for name in names} | {"far": {"this round", "the whole run"}}
+    further: dict[str, list[str]] = {name: [] for name in names} | {"far": ["the next round", "the whole run"]}
     not_before = dict.fromkeys(names, 0) | {"from the first": 50, "late": 51}
     case: Any = SimpleNamespace(
         phases=SimpleNamespace(least_distance=lambda within: 100, ticks_per_second=10**9),
         case=SimpleNamespace(budget=[SimpleNamespace(name=name) for name in names]),
         not_before=lambda: not_before,
-        looks_back=lambda: looks_back,
+        looks_further=lambda: further,
     )
     table = StartTable([], 0, 0, 100, 0, False, [], [[60], [50]], {"long"}, {"few"})
     assert table.not_proven(case, 100) == {
         "late": "its `after` leaves out rounds of the table",
         "long": "an occurrence of it lasts from one round to the next",
         "few": "a round has too few measured values, and a run of such rounds is not judged",
-        "far": "its values depend on the whole run",
+        "far": "its values depend on the next round",
     }
     reason = "the case has starts that are less than 0.0002 ms apart"  # 101 ns
     assert table.not_proven(case, 101) == dict.fromkeys(names, reason)

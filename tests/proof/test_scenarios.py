@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from periph_sim import sweep
 from periph_sim.proof.scenarios import Scenarios, worst_in_rounds
+from periph_sim.proof.stretch import CoveredCase, Job
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
@@ -168,16 +169,23 @@ def test_without_jitter_all_seeds_have_the_starts_of_the_case(echo: tuple[Path, 
     assert np.array_equal(values[0], in_run(load(case), starts[0], "echo"))
 
 
-def test_starts_of_seeds_that_the_case_does_not_have_are_refused(delayed: tuple[Path, Scenarios], tmp_path: Path):
-    case, scenarios = delayed
+def test_starts_of_seeds_that_the_case_does_not_have_are_refused(echo: tuple[Path, Scenarios]):
+    case, scenarios = echo
     with pytest.raises(ValueError, match=r"^rounds: 0; expected 1 or more$"):
         scenarios.starts([1], 0)
     with pytest.raises(ValueError, match=r"^starts: int64 of shape \(0, 3\)"):
         scenarios.starts([], 3)
-    limited = Scenarios(case, [*DELAYED, "host.frames=3"])
+    limited = Scenarios(case, ["host.frames=3"])
     assert limited.starts([1], 3).tolist() == scenarios.starts([1], 3).tolist()
     with pytest.raises(ValueError, match=r"^rounds: 4; expected 1 to 3, since the case has no more frames$"):
         limited.starts([1], 4)
+
+
+def test_the_number_of_frames_does_not_change_the_delays_of_seeds(delayed: tuple[Path, Scenarios]):
+    """`Scenarios.starts` adds these delays to the instants at which the starts are due."""
+    every, limited = (CoveredCase(Job(str(delayed[0]), (*DELAYED, *frames))) for frames in ((), ("host.frames=3",)))
+    assert len({*every.phases.delays(1, 3)}) == 3
+    assert limited.phases.delays(1, 3) == every.phases.delays(1, 3)
 
 
 def test_values_do_not_depend_on_the_number_of_scenarios(echo: tuple[Path, Scenarios]):

@@ -237,8 +237,8 @@ class Kernel:
         """Run the event loop for `owner`, which is blocked inside its own event.
 
         Return True as soon as an event has set `Kernel.released`, because the wait of `owner` is over. Return False if
-        the outer loop must continue: the next event is a plain callback, or this run has no further event or was
-        stopped.
+        this run has no further event or was stopped, or if the next event is a plain callback. Only the outer loop runs
+        plain callbacks, because they may end the event in which `owner` is blocked.
         """
         self.nested_owner = owner
         self.released = False

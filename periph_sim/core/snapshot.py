@@ -190,8 +190,9 @@ def absolute(value: Any, now: int) -> Any:
 class Collector:
     """Visits modules recursively and collects their state.
 
-    values: the collected values, by their names.
-    now: for each unit of time, the present instant; for cycles, the present cycle of the visited module's clock.
+    values: the collected values, by their names. Instants in them are relative to `now`.
+    now: the present instant in each unit of time, as a tick, a cycle and a record number. The cycle is that of the
+        visited module's clock, so it is set again for each module.
     """
 
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:

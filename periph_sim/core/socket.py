@@ -161,7 +161,7 @@ class Socket(Agent):
         cycle = self._clock.cycle_at(now)
         if not self.chip.filter_width:
             begin = self._clock.tick(cycle)
-            if begin > now:  # the levels may change again before the cycle begins
+            if begin > now:  # look again when the cycle begins, because the levels may change until then
                 self._kernel.schedule(begin, self, LOOK)
                 return
         if self.traces:

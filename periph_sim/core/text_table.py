@@ -82,7 +82,12 @@ def together(text: str) -> str:
 def _fitted(
     rows: Sequence[Cells], titles: Cells, right: Collection[int], width: int, names: Collection[int] = ()
 ) -> list[int]:
-    """Return the width of each column. To fit, titles are broken first, then the widest cells, and then words."""
+    """Return the width of each column, such that the lines of the table have at most `width` characters if possible.
+
+    Columns become narrower, the widest first, in this order until the table fits: titles are broken between words;
+    cells are broken between words; words longer than FOLD are broken, except in the columns `names`; then in these,
+    too. Cells of the columns `right` are never broken.
+    """
     places = range(len(rows[0]))
     widths = [max(_longest(row[n]) for row in rows) for n in places]
     words = [max(_longest_word(row[n]) for row in rows) for n in places]

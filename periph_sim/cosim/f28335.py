@@ -8,9 +8,9 @@ The simulator calls `_changed` when a line changes. A timer calls `_woken` when 
 advances the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
 
 A change of our pin is shown in the first step at or after its tick, and later than the line change that caused it: at
-the earliest in the step after that change. A change of a line is applied at the tick that contains its step, with one
-exception. To show a change of our own pin at tick n, the timer has to advance the session, which runs the case, to tick
-n + 1. If a line changes after that, but in a step that tick n contains, the change is applied at tick n + 1.
+the earliest in the step after that change. A change of a line is applied at the tick that contains its step. There is
+one exception: when the timer has shown a change of our pin at tick n, the session is already at tick n + 1. If a line
+then changes in a later step of tick n, this change is applied at tick n + 1, because a session cannot go back.
 
 The session receives the resolved level of a line, which includes our own pull. So after we release a line that another
 party still holds low, the session sees no rise until that party has released it, too.
@@ -240,7 +240,10 @@ class F28335:
             self._show(self.session.advance(tick))
 
     def _plan(self, step: int) -> None:
-        """Set the timer for the next change of our pins, unless it is already set for that tick or an earlier one."""
+        """Set the timer for the next change of our pins, unless it is already set for that tick or an earlier one.
+
+        step: the simulator's present step. The timer fires in a later step.
+        """
         due = self.session.next_output()
         if due is None or due >= self._due:
             return

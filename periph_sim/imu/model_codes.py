@@ -134,9 +134,9 @@ def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
 
 
 def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
-    """Return the models of an IMU. Firmware that was written for earlier versions of periph_sim calls this function.
+    """Return the models of an IMU, for firmware that was written for earlier versions of periph_sim.
 
-    Such firmware calls `Imu.step` itself.
+    Such firmware calls `Imu.step` of the result. Newer firmware uses `ModelCodes` instead.
     """
     return Imu(named.scalar(arithmetic), parameters)
 

@@ -111,8 +111,8 @@ class Cleared:
 class FlagOfPlace:
     """Effects of the read-modify-writes of one place on one flag.
 
-    rose: number of times that the flag rose between the read and the write. If ticks are not kept, only the cases
-        are counted in which the write then cleared the flag.
+    rose: number of times that the flag rose between the read and the write. If `ClearedRegister.keeps_ticks` is False,
+        only those times are counted after which the write cleared the flag.
     between: clearings of a flag that rose between the read and the write.
     along: clearings of a flag that the read had returned as 1, by a statement that does not name the flag.
     unseen: the clearings in `along` before which the firmware had not read the flag since its last rise. Reads that

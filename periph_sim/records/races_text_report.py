@@ -51,9 +51,9 @@ def text(races: Races) -> str:
 
 
 def as_json(races: Races) -> dict[str, object]:
-    """Return the races for JSON, with distances in cycles and times in seconds.
+    """Return the races for JSON, with distances in cycles.
 
-    Only `lost` and `cleared` of a flag are lists of ticks.
+    Times are in seconds, except those in the lists `lost` and `cleared` of each flag, which are in ticks.
     """
     run = races.run
     return {

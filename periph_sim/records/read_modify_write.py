@@ -144,7 +144,11 @@ def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
 
 
 def _judged(run: Run, group: Group, clearable: Clearable) -> ClearedRegister:
-    """Return the register after all its read-modify-writes in the run have been evaluated."""
+    """Return what all read-modify-writes of one register did to its flags.
+
+    group: the writes of the register.
+    clearable: the name of the register, and its flags that are cleared by writing 1.
+    """
     judged = ClearedRegister(clearable, keeps_ticks=True)
     table = run.table
     reads, writes = pairs(run, group)

@@ -54,7 +54,10 @@ class BusClear:
         self._look()
 
     def _look(self) -> None:
-        """At the end of a high phase of SCL, begin another clock or the STOP."""
+        """Begin the STOP if SDA is high or MOST_CLOCKS clocks were made; else begin another clock.
+
+        Called at the end of a high phase of SCL. If another party holds SCL low, it is called again later.
+        """
         if not self._scl.level:  # another party holds SCL low
             self._kernel.call_at(self._kernel.now + self._high, self._look)
         elif self._sda.level or self._clocks == MOST_CLOCKS:

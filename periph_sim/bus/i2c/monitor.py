@@ -44,9 +44,10 @@ class I2cMonitor(BitParty):
     )
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Leave out the last sample of `_stream`, which has no effect, because the monitor passes bits, not samples.
+        """Return the values that replace those of attributes when two states are compared (`proof.normal_state`).
 
-        See `proof.normal_state`.
+        The last sample of the decoder `_stream` is left out. It has no effect, because the monitor passes only bits and
+        conditions to the decoder, never samples.
         """
         return {"_stream.levels": None}
 

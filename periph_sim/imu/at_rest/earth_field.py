@@ -65,7 +65,11 @@ def off_north(field: Vector) -> float:
 
 
 def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
-    """Determine the earth field from the mean at rest and the hard iron, which are x, y, z in gauss."""
+    """Determine the earth field for d = 0 and d = 1, and d by least squares (see the head of this module).
+
+    mean: the mean m of the magnetometer at rest, as x, y, z in gauss.
+    hard_iron: the hard iron V, as x, y, z in gauss.
+    """
     along_y, along_z = (mean[axis] / hard_iron[axis] for axis in (1, 2))
     x, y, z = (m - v for m, v in zip(mean, hard_iron, strict=True))
     return Fit(along_y, along_z, (mean, (x, y, z)))

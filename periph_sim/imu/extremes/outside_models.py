@@ -180,7 +180,11 @@ def noise_sums() -> Iterator[ExtremeFinding]:
 
 
 def inputs() -> Iterator[ExtremeFinding]:
-    """Check that the models reject a NaN in a sample, and a parameter `period` that is not the period of rounds."""
+    """Check that two wrong inputs of the models are rejected.
+
+    One is a sample that contains a NaN. The other is a value of `ImuParameters.period` that differs from the time
+    between the rounds in which the models run.
+    """
     model = Imu(Float64(), ImuParameters())
     zero = model.at_rest.body
     found = why_refused(lambda: model.check((0.0, nan, 0.0), zero, model.silence), NotFinite)

@@ -65,10 +65,10 @@ def still(ago: int) -> Attitude:
 def pitching(value: float, imu: ImuParameters) -> Sample:
     """Return the sample of a body that pitches past 90 degrees and is then upside down.
 
-    Beyond 90 degrees, the pitch of the sample decreases again, and roll and yaw are 180 degrees. The reference gets a
-    pitch above 90 degrees, and roll and yaw of 0.
+    The host sends pitch angles up to 90 degrees only. For example, it sends a pitch of 100 degrees as a pitch of 80
+    degrees, with roll and yaw of 180 degrees. The reference gets the pitch of 100 degrees, with roll and yaw of 0.
 
-    value: the pitch at the last of the three attitudes, in degrees.
+    value: the pitch in degrees at the last of the three successive attitudes of the sample.
     """
 
     def level(ago: int) -> Attitude:

@@ -63,8 +63,11 @@ def worst(
 ) -> Worst:
     """Search for the largest errors of an arithmetic.
 
+    The search tries random samples from the whole working range. Then it tries, ROUNDS times for each sensor, samples
+    near the worst one so far, each time at smaller distances.
+
     arithmetic: the name of the arithmetic.
-    samples: the number of samples drawn from the whole range.
+    samples: the number of samples drawn from the whole range. Each later step draws a quarter of this number.
     rate: the largest rate of an angle in deg/s.
     """
     counts = drawn(samples, seed, rate)

@@ -86,9 +86,9 @@ def _covariance(m: int, n: int, length: int) -> float:
         together: Floats = np.maximum(pairs, 0.0) * shared**2
         return together
 
-    # `bends` are the lags at which the formula of `term` changes. Between two adjacent bends, `term` is a cubic
-    # polynomial of the lag. The sum of this polynomial over all integer lags between the bends is calculated from three
-    # values of `term`: in the middle, and at two lags with the same distance from the middle.
+    # Between two adjacent lags in `bends`, the value of `term` is a cubic polynomial of the lag. To sum it over the
+    # integer lags in between, only its value in the middle and half of its second derivative there (`curve`) are
+    # needed, because the odd powers of the distance from the middle cancel.
     bends = [*corners, 0, places_n - places_m, -places_m, places_n]
     edges = np.unique(np.clip(bends, max(-2 * n, -places_m), min(2 * m, places_n)))
     begin, end = edges[:-1], edges[1:] - 1

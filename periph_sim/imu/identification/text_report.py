@@ -55,10 +55,12 @@ def _found(axis: Identified) -> tuple[str, ...]:
 
 
 def _known(axis: Identified) -> tuple[str, ...]:
-    """Return the cells of one row under KNOWN.
+    """Return the four cells of one row under KNOWN.
 
-    They are the name of the recording's column, the 95 % interval of the noise density, the density of the noise that
-    rounding adds, and the first and last tau of the fit, or "-" if white noise is nowhere most of the noise.
+    1. The name of the recording's column.
+    2. The 95 % interval of the noise density.
+    3. The density of the noise that rounding adds; "-" if the values are not quantized.
+    4. The first and last tau of the fit; "-" if white noise is most of the noise at no tau.
     """
     low, high = axis.density.bounds(LEVELS["95 %"])
     taus = axis.allan.taus[axis.density.region]

@@ -164,8 +164,9 @@ RATES: tuple[Rates, ...] = ("as built", "corrected")
 class FilteredReadings:
     """Readings of the real sensors or of the emulator, and the attitudes that the filter estimates from them.
 
-    readings: the readings of the three chips in all rounds that were completed.
-    attitudes: the attitudes that the filter estimates in the rounds of `MovingOutcome.seconds`, float64[n, 4].
+    readings: the readings in all rounds in which all three chips were read.
+    attitudes: the quaternions that the filter estimates, float64[n, 4]. They are given only for the rounds in
+        `MovingOutcome.seconds`, which were completed with the real sensors and with both emulators.
     """
 
     readings: Readings

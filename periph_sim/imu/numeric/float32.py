@@ -130,5 +130,8 @@ def _step(angle: Singles) -> tuple[Any, Singles]:
 
 
 def _whole(x: Singles, most: int) -> Any:
-    """Convert a number to an index of a table, 0 to `most`. A NaN becomes 0; its index has no effect on the result."""
+    """Convert numbers to indices of a table: limit them to 0 to `most`, and cut off their fractions.
+
+    A NaN becomes index 0, which has no effect on the result of the caller.
+    """
     return np.nan_to_num(np.clip(x, 0, most), nan=0.0).astype(np.intp)

@@ -65,10 +65,10 @@ class Link(NamedTuple):
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
     """Return links to the cause of an access and to the records shown with the cause. The last link is the cause.
 
-    If the list is empty or its last link is `aside`, no cause was found. This happens only in the main program, if
-    neither a change nor an earlier read explains the access.
+    If the list is empty, or if `Link.aside` is True for its last link, no cause was found. This happens only in the
+    main program, if neither a change nor an earlier read explains the access.
 
-    flag: see `causes`.
+    flag: the record of a field's change that the search visited last before this access; None if it visited none.
     """
     routine = run.row_of(record.cause)
     entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]

@@ -38,8 +38,9 @@ class Answer:
     back: the record that gave the value, then the causes of this record; empty if the signal had not changed before.
         For a wire that is low, the first record is instead the last change, up to `tick`, of the set of parties that
         hold the wire low.
-    pulled_by: the parties that first pulled the wire low; empty if the signal is not a wire that has fallen and is low.
-    held_by: the parties that hold this wire low at `tick`; empty in the same cases.
+    pulled_by: the parties that pulled the wire low at its last fall. It is empty if the signal is no wire, if the wire
+        is high at `tick`, or if no fall was recorded.
+    held_by: the parties that hold the wire low at `tick`. It is empty in the same cases as `pulled_by`.
     effects: the first records, at most EFFECTS, whose cause is the record that gave the value.
     reader: the first recorded read of the field after the change to the value and before the next change, or None.
     reads: number of recorded reads of the field between these two changes.

@@ -49,13 +49,15 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
 def without_effect(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes without effect: of TRX and I2CCNT as slave, of STT and STP while the module is in reset (IRS = 0).
 
-    TRX sets the direction of a master and of the free data format; the direction of a slave comes from the R/W bit of
-    the address byte. TRX is a don't-care there, 0 as well as 1 (table 7), but not with the option value `eager_if_trx`.
-    Only bit-field writes of TRX are judged. I2CCNT does not limit a slave-receiver. For a
-    slave-transmitter, the manual is ambiguous (option `cnt_in_slave_tx`).
+    TRX sets the direction of a master and of the free data format. The direction of a slave comes from the R/W bit of
+    the address byte, so TRX is a don't-care (table 7). Only bit-field writes of TRX are judged. I2CCNT does not limit
+    the number of bytes that a slave receives; the manual does not say clearly whether it limits those that it sends.
 
     A write of TRX or I2CCNT is no fault if the module becomes master before the next change of TRX or the next write of
     I2CCNT, because the master uses the value.
+
+    The lint does not read the options of the run. So it also yields the writes that have an effect with the option
+    values `dxr_to_xsr_copy_point = "eager_if_trx"` (TRX) and `cnt_in_slave_tx = "counts_bytes"` (I2CCNT).
     """
     for group in run.accesses:
         if group.way != "W":

@@ -1,4 +1,4 @@
-"""Calls that can be made in other processes: the interface between proofs and the worker processes of a command."""
+"""Calls that can be made in other processes. A proof passes them to a function that the command chooses."""
 
 from __future__ import annotations
 

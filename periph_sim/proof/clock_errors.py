@@ -1,12 +1,12 @@
-"""The errors of a controller's clock that give different runs.
+"""The errors of a controller's clock, within a range, that give different runs.
 
 errors from -100 to 100 ppm --counted_lengths--> low 14999 to 15002 ticks, gap 149985 to 150015 ticks, ...
                             --bisect--------> one error for each combination of these lengths
 
 A controller counts its lengths, such as the low time of SCL and the gap between requests, in whole ticks. Each length
-is a quotient that decreases as the error increases, rounded to a whole number. Therefore, if two errors give equal
-lengths, all errors between them give these lengths, too. The starts of rounds also depend on the error, but a table
-contains all starts.
+decreases as the error increases, and is rounded to a whole number. Therefore, if two errors give equal lengths, all
+errors between them give these lengths, too. The starts of rounds also depend on the error, but a closed table holds for
+all starts.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from ..scene.plan import ScenePlan
 from .free_run import NotClosed
 
 MOST_CLOCKS = 500  # maximum number of tables of a proof
-# Bisection stops at this difference of two errors, in ppm. At most one error at which a length changes is between two
-# errors this close, because the errors at which lengths change are fractions with far smaller denominators.
+# Bisection stops when two errors differ by at most LEAST ppm. Between two errors that are so close, lengths change at
+# most once, because the errors at which they change are fractions with far smaller denominators.
 LEAST = Fraction(1, 2**80)
 
 
 def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
-    """Return errors of the controller's clock, in ppm and in ascending order.
+    """Return errors of the controller's clock, in ppm and ascending, one for each combination of lengths in the range.
 
-    Each error that differs from `controller.ppm` by at most `within` gives the same lengths as one of the returned
-    errors. Raise NotClosed if there are more than MOST_CLOCKS, and BadCase for a case that cannot have a range.
+    The range has all errors that differ from `controller.ppm` by at most `within` ppm. Raise NotClosed if there are
+    more than MOST_CLOCKS combinations, and BadCase if the case has no controller or initialises chips.
     """
     if case.controller is None:
         raise case.mistake("--ppm needs a [controller], because it is about its clock; remove the option", "name")

@@ -1,11 +1,11 @@
 """Coverage of a list of phases: long runs, and short runs around each failure.
 
-    phases 0, 1, ... 511 --one run, a new phase in each round--> it holds: all 512 phases are covered
-                           '--it fails--> shorter runs find the round in which it begins to fail;
+    phases 0, 1, ... 511 --one run, a new phase in each period--> it holds: all 512 phases hold
+                           '--it fails--> runs with fewer phases find the phase at which it begins to fail;
                                           runs with one phase alone find the end of the window
 
-Within a window, only every APART-th of the given phases is run. The first and the last phase of the window, and the
-neighbours outside, are always run.
+Within a window, only one of APART given phases is run. The first and the last phase of the window, and the neighbours
+outside, are always run. The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from msgspec import Struct
 from ..timing.verdict import Verdict
 from .stretch import CoveredCase, Job, Outcome
 
-APART = 16  # within a window, every APART-th of the given phases is run
-REPORTED = 3  # a failure is assumed to begin at one of the last REPORTED phases of the shortest run that fails
+APART = 16  # within a window, one of APART given phases is run
+REPORTED = 3  # the shortest run that fails is assumed to fail because of one of its last REPORTED phases
 
 
 class Worst(Struct, frozen=True):
-    """The value of a budget that is nearest to its limit, as a verdict.
+    """The worst value of a budget, and the run that had it.
 
-    phases: the phases of the run that had this value, in order.
-    seed: the seed of this run.
+    verdict: the verdict of the budget in this run.
+    phases: the phases of this run, in order. seed: its seed.
     """
 
     verdict: Verdict
@@ -37,11 +37,11 @@ class Worst(Struct, frozen=True):
 
 
 class Drifting(Struct, frozen=True):
-    """Failures of a run whose phase increases from `first` to `last`.
+    """A failure in a run whose phase increases from `first` to `last`, which no run with one phase alone repeats.
 
-    Each of the last REPORTED phases of this run was also run alone, and did not fail.
+    Each of the last REPORTED phases of this run was also run alone, and held.
 
-    names: the names of what failed.
+    names: the names of the broken budgets and other failures.
     """
 
     names: frozenset[str]
@@ -52,13 +52,13 @@ class Drifting(Struct, frozen=True):
 class Covered(Struct):
     """The results of the runs of some phases.
 
-    held: the phases at which nothing failed, either in a run of several phases or in a run with this phase alone.
-    failed: for each phase that was run alone, the names of what failed in the run; an empty set if nothing failed.
-    drifting: failures that occur only in runs whose phase increases, in the order of the phases.
-    worst: for the name of each budget, its worst value.
-    judged: for the name of each budget, the number of runs that judged it.
-    reasons: for the name of each failure that is no broken budget, a sentence about it.
-    runs: number of runs.
+    held: the phases that held, in a run of several phases or in a run with this phase alone.
+    failed: for each phase that was run alone, the names of its failures, such as {100: {"response"}, 101: set()}.
+    drifting: the failures that only runs with increasing phases have, in the order of the phases.
+    worst: the worst value of each budget, by its name.
+    judged: the number of runs that judged each budget, by its name.
+    reasons: a sentence about each failure that is no broken budget, by its name.
+    runs: the number of runs.
     """
 
     held: list[int]
@@ -82,10 +82,9 @@ class Covered(Struct):
         self.runs += other.runs
 
     def judge(self, new: Worst) -> None:
-        """Store a new value of a budget in place of the stored one if the new value is worse.
+        """Keep a value of a budget if it is worse than the value that was kept before (see `rank`).
 
-        A value that breaks its limit is worse than one that does not. Otherwise, a smaller margin to the limit is
-        worse. If the margins are equal, the value of the run with fewer phases is worse.
+        Of two equally bad values, that of the run with fewer phases is kept.
         """
         old = self.worst.get(new.verdict.name)
         if old is None or (rank(new.verdict), len(new.phases)) < (rank(old.verdict), len(old.phases)):
@@ -93,15 +92,16 @@ class Covered(Struct):
 
 
 def rank(verdict: Verdict) -> tuple[bool, bool, float]:
-    """Return a key by which verdicts are sorted, the worst one first.
+    """Return a key that sorts verdicts, the worst one first.
 
-    A broken verdict is worse than one that is not broken. If both or neither are broken, the verdict with the smaller
-    margin to its limit is worse, and a verdict with a margin is worse than a verdict without a margin.
+    First come broken verdicts, then the others; of each kind, the smaller the margin to the limit, the earlier, and
+    verdicts without a margin are last.
     """
     return not verdict.broken, verdict.margin is None, verdict.margin or 0
 
 
 def nothing() -> Covered:
+    """Return empty results."""
     return Covered([], {}, [], {}, {}, {})
 
 
@@ -109,7 +109,7 @@ class Coverer:
     """Runs a case at given phases, and collects the results.
 
     seed: the seed of all random values of the runs.
-    found: the results so far. They include the results that were passed to the constructor, if any.
+    found: the results so far. The constructor can be given earlier results, to which others are added.
     """
 
     def __init__(self, case: CoveredCase, seed: int, found: Covered | None = None) -> None:
@@ -118,7 +118,7 @@ class Coverer:
         self.found = nothing() if found is None else found
 
     def cover(self, phases: Sequence[int]) -> Covered:
-        """Run all these phases, which are in ascending order, and return the results."""
+        """Run all these phases, given in ascending order, and return the results."""
         if self._case.phases.is_one_a_run:
             self.found.held += [phase for phase in phases if not self.status(phase)]
             return self.found
@@ -128,12 +128,12 @@ class Coverer:
         return self.found
 
     def _failing(self, phases: Sequence[int]) -> int:
-        """Find the first failure in a run with these phases, and return how many of the phases are then covered.
+        """Find the first failure among the phases of a run that has failed.
 
-        phases: the phases of a run that has failed.
+        Return the number of phases, from the first one on, whose results are then known.
 
-        Bisection finds the smallest number of first phases with which a run fails. If one of the last REPORTED of them
-        fails alone, a window begins there, and the end of the window is searched. Otherwise, the failure is added to
+        Bisection finds the shortest run with the first of these phases that fails. If one of its last REPORTED phases
+        fails alone, a window begins there, and its end is searched. Otherwise, the failure is added to
         `Covered.drifting`.
         """
         length = _first_true(lambda count: bool(self._run(phases[:count]).failures), 1, len(phases))
@@ -153,15 +153,15 @@ class Coverer:
         return _first_true(lambda place: place == limit or not self.status(phases[place]), broken + 1, limit)
 
     def repeat(self, phase: int) -> None:
-        """Run a phase alone, to find worst values that need no run of several phases.
+        """Run a phase alone, to find its worst values in a run that is easier to examine.
 
-        If a budget reaches its worst value in this run, too, this run is stored with the value instead of a run of
-        several phases.
+        If a budget has its worst value in this run, too, `Covered.worst` then names this run instead of that of several
+        phases.
         """
         self._run([phase])
 
     def status(self, phase: int) -> frozenset[str]:
-        """Return the names of what fails in a run with this phase alone. This run is made once; its result is kept."""
+        """Return the names of the failures of the run with this phase alone, which is made only once."""
         if phase not in self.found.failed:
             self.found.failed[phase] = self._run([phase]).failures
         return self.found.failed[phase]
@@ -169,7 +169,7 @@ class Coverer:
     def _run(self, phases: Sequence[int]) -> Outcome:
         """Make one run with these phases, and add the values of the budgets to the results.
 
-        The values of a failing run of several phases are not added, because a failure affects the later phases, too.
+        If it has several phases and fails, its values are not added, because a failure affects the later phases, too.
         """
         outcome = self._case.run(phases, self._seed)
         self.found.runs += 1
@@ -179,6 +179,7 @@ class Coverer:
         return outcome
 
     def _count(self, outcome: Outcome, phases: Sequence[int]) -> None:
+        """Add the values of a run with these phases to the results."""
         for verdict in outcome.verdicts:
             self.found.judge(Worst(verdict, tuple(phases), self._seed))
             is_judged = verdict.passed or verdict.broken
@@ -186,10 +187,10 @@ class Coverer:
 
 
 def _first_true(is_true: Callable[[int], bool], low: int, high: int) -> int:
-    """Return the least number from `low` to `high` for which `is_true` is true, by bisection.
+    """Return the least number from `low` to `high` for which `is_true` returns True, by bisection.
 
-    `is_true` must be true for all numbers above the returned one. It is not called for `high`, where it is assumed to
-    be true.
+    `is_true` must return True for all numbers above the least one. It is not called with `high`, because that is
+    assumed to be such a number.
     """
     while low < high:
         middle = (low + high) // 2
@@ -201,13 +202,13 @@ def _first_true(is_true: Callable[[int], bool], low: int, high: int) -> int:
 
 
 class Window(Struct, frozen=True):
-    """A range of phases at which a budget is broken, or the run fails in another way.
+    """A range of phases at which runs fail in the same way.
 
-    name: the name of the budget or of the failure.
-    first, last: the first and the last phase. `first` is above `last` if the window contains the end of the period.
-    run: number of phases within the window that were run alone and failed in this way.
-    is_closed: True if the phase before `first` and the phase after `last` were both run alone, and neither failed in
-        this way.
+    name: the name of the broken budget or of another failure.
+    first, last: the first and the last phase. If `first` is above `last`, the window continues from the last phase of
+        the period to phase 0.
+    run: the number of phases in the window that were run alone and failed in this way.
+    is_closed: True if the phases before `first` and after `last` were run alone, and both did not fail in this way.
     """
 
     name: str
@@ -221,7 +222,7 @@ def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: 
     """Return the windows of all failures, in the order of the phases.
 
     found: the results of all phases.
-    status: the method `Coverer.status`, which adds more results to `found.failed`.
+    status: the method `Coverer.status`, which runs phases alone. It must add its results to `found`.
     bounds: the first and the last phase that may be run.
     """
     windows: list[Window] = []
@@ -232,15 +233,15 @@ def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: 
 
 
 def _place(window: Window) -> tuple[int, int, str]:
+    """Return a key that sorts windows in the order of the phases."""
     return window.first, window.last, window.name
 
 
 def _merged(windows: Iterable[Window]) -> list[Window]:
-    """Return the windows after joining those that have the same name and overlap.
+    """Join windows that have the same name and overlap, and return all windows.
 
-    Windows overlap if a phase held in a run of several phases, but fails alone. The failing phases before and after
-    this phase are two separate groups at first. When each group is extended to a window, both windows contain this
-    phase.
+    For example, phases 1 to 3 and 5 to 7 fail, and phase 4 held in a run of several phases, so there are two lists of
+    failing phases (`_groups`). If phase 4 fails when it is run alone, both lists are extended by it, and overlap.
     """
     found: list[Window] = []
     for one in sorted(windows, key=lambda each: (each.name, each.first, each.last)):
@@ -255,10 +256,10 @@ def _merged(windows: Iterable[Window]) -> list[Window]:
 
 
 def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int], frozenset[str]]) -> list[Window]:
-    """Return the windows of a whole period, joined across its end, because phase 0 follows the last phase.
+    """Join windows at the end and at the beginning of a period, because phase 0 follows the last phase.
 
-    A window at the end of the period and a window of the same name at its beginning become one window. If a name has
-    only one of these two windows, the phase at the other end of the period is run alone, to set `is_closed`.
+    Two such windows with the same name become one. If a name has only one of them, the phase at the other end of the
+    period is run alone, to set `is_closed`.
 
     count: the number of phases of the period.
     status: the method `Coverer.status`.
@@ -274,7 +275,7 @@ def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int],
 
 
 def _groups(name: str, found: Covered) -> Iterable[list[int]]:
-    """Yield lists of phases at which `name` fails. Two lists are separated by phases at which it does not fail."""
+    """Yield lists of consecutive run phases that fail with this name. A phase that does not fail so ends a list."""
     failing = {phase for phase, failures in found.failed.items() if name in failures}
     for fails, group in groupby(sorted({*found.held, *found.failed}), failing.__contains__):
         if fails:
@@ -284,6 +285,8 @@ def _groups(name: str, found: Covered) -> Iterable[list[int]]:
 def _window(
     name: str, group: list[int], found: Covered, status: Callable[[int], frozenset[str]], bounds: tuple[int, int]
 ) -> Window:
+    """Return the window that contains a list of failing phases (see `_groups`). For the others, see `windows_of`."""
+
     def fails(phase: int) -> bool:
         return name in status(phase)
 
@@ -299,12 +302,12 @@ def _window(
 
 
 def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> int:
-    """Return the last failing phase of a window in one direction, given the last one that is known, `phase`.
+    """Return the last failing phase of a window in one direction. phase: the last one that is known.
 
-    The phase after `phase` may have held only in a run of several phases. If it fails alone, the window continues.
-    Further phases are then run alone, in growing steps, until the next phase holds or `end` is reached.
+    The next phase may have held only in a run of several phases. If it fails alone, the window continues. Further
+    phases are then run alone, in growing steps, until the next phase holds or `end` is reached.
 
-    step: the direction: 1 for increasing phases, -1 for decreasing phases.
+    step: 1 to search towards higher phases, -1 towards lower ones.
     end: the last phase that may be run in this direction.
     """
     width = 1
@@ -317,13 +320,13 @@ def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> 
 
 @lru_cache(maxsize=1)
 def case_of(job: Job, folder: Path) -> CoveredCase:
-    """Return the case of a job. The last case is kept, because a worker process runs many parts of one job.
+    """Return the case of a job, from a cache with one item, because a worker process runs many parts of one job.
 
-    folder: the current folder, to which a relative path in `job` refers. It is only a part of the key of the cache.
+    folder: the current folder, to which a relative path in `job` refers. It only serves as a key of the cache.
     """
     return CoveredCase(job)
 
 
 def cover_part(job: Job, phases: Sequence[int], seed: int) -> Covered:
-    """Run these phases, which are in ascending order, and return the results. Worker processes call it."""
+    """Run these phases, given in ascending order, and return the results. Worker processes call this."""
     return Coverer(case_of(job, Path.cwd()), seed).cover(phases)

@@ -21,11 +21,13 @@ from .saved_file import SavedFile
 class Choice(msgspec.Struct, frozen=True):
     """The phases that a coverage runs.
 
-    moved, start_up, rounds: as in `Phases`.
-    count: the number of all phases, `Phases.count`.
+    moved: the kind of the moved starts: "frames", "rounds" or "sends".
+    start_up: True if the first start is moved through the start-up.
+    count: the number of all phases of a period.
     cycle_ps: the length of a cycle in picoseconds.
-    chosen, near: the number of chosen phases, and how many of them are near a write (`near`).
+    chosen: the number of phases to run. near: how many of them are chosen because they are near a write.
     step: the distance between the other chosen phases, in cycles.
+    rounds: the number of moved starts in a run with one phase alone.
     bounds: the first and the last phase that may be run.
     digest: the digest of the chosen phases.
     """
@@ -42,7 +44,7 @@ class Choice(msgspec.Struct, frozen=True):
     digest: str
 
     def time(self, phase: int) -> str:
-        """Return a phase as a time in ms, to a tenth of a nanosecond, so that the texts of all phases are different."""
+        """Return a phase as a time, such as "18.9512933 ms". The digits suffice to distinguish all phases."""
         return f"{phase * self.cycle_ps / 10**9:.7f} ms"
 
 
@@ -52,10 +54,9 @@ class CoverageFile(SavedFile, frozen=True, kw_only=True):
     case: the name of the case.
     finished, parts: the number of parts that are finished, and of all parts.
     run_count: the number of different phases that were run.
-    held: the chosen phases that held, as ranges of their indices (`to_ranges`).
-    found: the results, without the list `held`, which would be long.
-    windows: the ranges of phases at which a budget is broken or the run fails in another way (`cover.Window`); None
-        until their ends are found, after all parts are finished.
+    held: the chosen phases that held, as ranges of indices (`to_ranges`).
+    found: the results, without their list `held`, which would be long.
+    windows: the windows; None until their ends are found, after all parts are finished.
     """
 
     WHAT: ClassVar[str] = "coverage"
@@ -71,6 +72,7 @@ class CoverageFile(SavedFile, frozen=True, kw_only=True):
 
     @property
     def is_complete(self) -> bool:
+        """True if all parts are finished and all windows are found."""
         return self.windows is not None
 
 
@@ -79,7 +81,7 @@ def digest_of(phases: Sequence[int]) -> str:
 
 
 def to_ranges(held: Sequence[int], chosen: Sequence[int]) -> list[tuple[int, int]]:
-    """Return the indices in `chosen` of the phases in `held`, as ranges (first index, index after the last)."""
+    """Return the indices of `held` in `chosen` as ranges, such as [(1, 3)] for [10, 20] in [0, 10, 20, 30]."""
     there = {*held}
     indices = {index for index, phase in enumerate(chosen) if phase in there}
     firsts = sorted(index for index in indices if index - 1 not in indices)
@@ -88,5 +90,5 @@ def to_ranges(held: Sequence[int], chosen: Sequence[int]) -> list[tuple[int, int
 
 
 def from_ranges(ranges: Sequence[tuple[int, int]], chosen: Sequence[int]) -> list[int]:
-    """Return the phases whose indices in `chosen` are in these ranges, which `to_ranges` has returned."""
+    """Return the phases of `chosen` at these ranges of indices. This reverses `to_ranges`."""
     return [phase for first, after in ranges for phase in chosen[first:after]]

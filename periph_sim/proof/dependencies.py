@@ -1,7 +1,7 @@
 """Everything on which a saved coverage or proof depends: files, versions, and periph_sim itself.
 
     runs of a case --files_read--> the files that were opened --dependencies--> their digests
-    digests --differences--> phrases about what has changed since
+    their digests, later --differences--> phrases about what has changed, such as "slave.out has changed"
 
 The files are those that this process opens, those that a C compiler includes, the source files of imported modules, and
 the files that the case names. The compiler itself is not among the dependencies.
@@ -40,12 +40,13 @@ class Dependencies(Struct, frozen=True):
     """The dependencies of a result.
 
     python: the version of Python.
-    periph_sim: the digest of the source files and data files of periph_sim.
-    packages: a dictionary from the name of each other imported package to its version.
-    files: for the path of each file, relative to the folder of the case, its digest.
-    shipped: the names of the source files of periph_sim and of libraries that were read.
-    not_read: the value of `unread` when the result was saved.
-    project: the path of the case's pyproject.toml, as `project_file` returns it.
+    periph_sim: one digest of all source files and data files of periph_sim.
+    packages: the version of each other imported package, by its name.
+    files: the digest of each file that was read, by its path relative to the folder of the case.
+    shipped: the names of the source files that were read from periph_sim or libraries. A file of the same name beside
+        the case would be read instead (`unread`).
+    not_read: the files that `unread` returned when the result was saved.
+    project: the path of the pyproject.toml that applies to the case; "" if there is none.
     """
 
     python: str
@@ -57,7 +58,7 @@ class Dependencies(Struct, frozen=True):
     project: str = ""
 
     def differences(self, folder: Path) -> list[str]:
-        """Return a phrase for each dependency that is different now. folder: the folder of the case."""
+        """Return a phrase for each dependency that has changed since. folder: the folder of the case."""
         found = [
             f"{path} has changed"
             for path, digest in self.files.items()
@@ -78,10 +79,10 @@ class Dependencies(Struct, frozen=True):
         return found
 
     def unread(self, folder: Path) -> list[str]:
-        """Return the paths of existing files that a new run could read in place of a source file that was read.
+        """Return the files that exist now, were not read, but could be read by a new run.
 
-        Such a file has the name of a source file that was read, and is in the folder of the case or of another source
-        file.
+        Such a file has the name of a source that was read, and is in the folder of the case or of another source. For
+        example, a new file `common.inc` beside the case would be included instead of that of periph_sim.
         """
         sources = [path for path in self.files if path.endswith(SOURCES)]
         names = {*self.shipped, *map(os.path.basename, sources)}
@@ -92,17 +93,14 @@ class Dependencies(Struct, frozen=True):
 def _in_folder(folder: Path, path: str) -> Path:
     """Return the path of a file, given its path relative to a folder.
 
-    A `..` in `path` removes the name before it from the text of the joined path. The operating system would instead
-    follow a symbolic link in `folder` first, and then go to the parent folder of its target.
+    A `..` in `path` removes the name before it, also if this is the name of a symbolic link. The operating system would
+    go to the parent folder of the link's target instead.
     """
     return Path(os.path.normpath(folder.absolute() / path))
 
 
 def project_file(folder: Path) -> str:
-    """Return the path of pyproject.toml in a folder or in its nearest parent folder that has this file.
-
-    The path is relative to `folder`; "" if there is no such file.
-    """
+    """Return the path of the nearest pyproject.toml, in a folder or above it, relative to the folder; "" for none."""
     for one in (folder.absolute(), *folder.absolute().parents):
         if (one / PROJECT).is_file():
             return Path(os.path.relpath(one / PROJECT, folder.absolute())).as_posix()
@@ -111,9 +109,9 @@ def project_file(folder: Path) -> str:
 
 @contextmanager
 def files_read() -> Iterator[set[str]]:
-    """Yield a set that receives the paths of all files that this process opens for reading within the block.
+    """Yield a set, to which the path of each file is added that this process opens for reading within the block.
 
-    It also receives the files that a C compiler includes.
+    The files that a C compiler includes are added, too.
     """
     global _read
     if not _hooks:
@@ -127,6 +125,7 @@ def files_read() -> Iterator[set[str]]:
 
 
 def _note(event: str, arguments: tuple[object, ...]) -> None:
+    """Add the file of an event to `_read`, if the event is about opening a file for reading. Python calls this."""
     if event == NOTED and _read is not None:
         _read.add(os.path.join(os.getcwd(), str(arguments[0])))
     elif event == "open" and _read is not None and isinstance(arguments[0], str | bytes):
@@ -138,8 +137,7 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
 def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
     """Return the dependencies of a result. Raise ValueError, with a sentence, for a file that cannot be read now.
 
-    Files of Python and of installed packages are not listed. The versions of Python and of the packages are listed
-    instead. Files of periph_sim are not listed either, because one digest includes all of them.
+    For Python and installed packages, the result has versions, not files. For periph_sim, it has one digest.
 
     folder: the folder of the case.
     paths: the files that the runs have read. The files of imported modules are added.
@@ -169,8 +167,8 @@ def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
 def _path_of(path: str | Path) -> str:
     """Return the absolute path of a file, without `..` in it.
 
-    A name and the `..` after it are removed together. If the name is a symbolic link, the path may then not exist. In
-    this case, all links are resolved.
+    A name and the `..` after it are removed together. If the name is that of a symbolic link, this can be the path of
+    no file. In this case, all links are resolved instead.
     """
     text = os.path.abspath(path)
     return text if os.path.exists(text) or not os.path.exists(path) else os.path.realpath(path)
@@ -186,7 +184,7 @@ def _source(path: str) -> str:
 
 @lru_cache(maxsize=1)
 def _libraries() -> tuple[str, ...]:
-    """Return the beginnings of the paths of files that are not listed: of Python, packages, and the system."""
+    """Return the beginnings of the paths of files that are not dependencies: of Python, packages, and the system."""
     names = ("stdlib", "platstdlib", "purelib", "platlib")
     paths = {sysconfig.get_path(name) for name in names} | {str(PACKAGE)}
     libraries = {os.path.join(form, "") for path in paths for form in (path, os.path.realpath(path))}
@@ -195,6 +193,7 @@ def _libraries() -> tuple[str, ...]:
 
 
 def _version(name: str) -> str:
+    """Return the version of an installed package; "" if it is not installed."""
     try:
         return version(name)
     except (PackageNotFoundError, ValueError):  # ValueError: the name is empty

@@ -1,4 +1,4 @@
-"""Search of the cells of frames: the starts of frames that the SCI receives at the same instant.
+"""Search for the cells of frames: ranges of starts of frames that the SCI receives at the same instant.
 
 start of a frame alone   t  t+1  t+2  t+3 ...
 effects                  A   A    B    B        a cell begins at t+2
@@ -9,13 +9,13 @@ from __future__ import annotations
 from .free_run import NotClosed
 from .pair_groups import Cells, GroupRunner
 
-MOST_AWAY = 40  # number of frames after which a state counts as one that is not reached again
+MOST_AWAY = 40  # an orbit is given up after this number of frames that start from other orbits
 
 
 def find_cells(runner: GroupRunner) -> Cells:
-    """Run a frame alone with its start at each tick of one period of the SCI's samples, and return the cells.
+    """Run frames alone, one for each start in a period of the SCI's samples, and return the cells.
 
-    Raise NotClosed if the starts of one period are received in more than two ways.
+    Within a period, the effects change at one tick, at which a cell begins. Raise NotClosed if they change more often.
     """
     run, records, cycle = runner.run, runner.records, runner.cycle
     period = runner.sci_period() * cycle
@@ -24,7 +24,7 @@ def find_cells(runner: GroupRunner) -> Cells:
     while len(seen) < period:
         here, at = runner.at
         away = 0 if here == number else away + 1
-        if away > MOST_AWAY:  # the orbit is one of the start-up, so it is not reached again
+        if away > MOST_AWAY:  # the orbit only occurs after the start-up, so begin again with the present orbit
             number, away = here, 0
             seen.clear()
         whole = runner.orbits.known[here].cycles * cycle
@@ -44,7 +44,7 @@ def find_cells(runner: GroupRunner) -> Cells:
     steps = [n for n in range(1, period) if seen[n] != seen[n - 1]]
     if len(steps) > 1:
         raise NotClosed(f"frames of one period of the SCI's samples are received in {len(steps) + 1} ways")
-    step = steps[0] if steps else 0  # without a step, the first of these ticks begins a cell
+    step = steps[0] if steps else 0  # without a change, a cell begins at the first of these ticks
     entered = [seen[-1][0] - step, seen[0][0] - step + (period if steps else 0)]
     left = [seen[-1][1] - step, seen[0][1] - step + (period if steps else 0)]
     return Cells((orbit.origin + step) % period, period, min(entered), max(left))

@@ -1,6 +1,8 @@
-"""A run in which each start of a round, or of a frame, is chosen while the scene is at rest.
+"""A run for closed tables, in which each start of a round or frame is chosen while the scene is at rest.
 
 start(tick) --> round --> settle: nothing is in progress, and instants of the round are long past --> state, digest
+
+The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -20,22 +22,22 @@ from .stretch import CoveredCase
 
 DUE = "something is still due a second after the start of a round, such as a timer"
 NAMED = 4  # maximum number of attributes that are named if a state does not repeat
-CHECKS = 10  # the end of a round is searched in steps of `FreeRun.long` divided by this number
+CHECKS = 10  # the scene advances to the end of a round in steps of `FreeRun.long` divided by this number
 
 
 class NotClosed(Exception):
-    """Error: the case cannot be proven with a table. The message is a phrase that says why."""
+    """Error: the case cannot have a closed table. The message is a phrase that says why."""
 
 
 class FreeRun:
     """A run whose starts are chosen one by one.
 
-    At each rest, the free words of the stack are cleared and count as not written. Their contents have no effect,
-    because NotClosed is raised if the firmware reads one of these words before it has written it.
+    At each rest, the free words of the stack are cleared, so that states differ only in the words that are in use. If
+    the firmware then reads a free word before it has written it, NotClosed is raised.
 
-    scene: the scene, which the user of this class must not advance.
+    scene: the scene. Only this object may advance it.
     frames, rounds: the ticks of the starts so far, counted from the start of the run.
-    records: the digest of the round since the last start.
+    records: the digest of the records since the last start.
     long: the number of ticks after which an instant is long past, so that it has no effect any more.
     """
 
@@ -50,14 +52,15 @@ class FreeRun:
     ) -> None:
         """Advance to the first rest.
 
-        ignored: as for `normal_state`. keep_values: as for `Scene`.
-        rests_first: True to rest before any start; False to run the first start of the case, and then rest. If both
-            rounds and frames are free, this is the first start of each.
+        ignored: the ignored attributes.
+        keep_values: True to keep all values of the budgets.
+        rests_first: True to rest before any start; False to run the first start of the case, and then rest. In a case
+            with rounds and frames, the first round and the first frame are run.
         records: receives the records of rounds; None for a new RoundDigest.
-        on_request: as for `CoveredCase.free_scene`.
+        on_request: is called with the records of the PIE's request flags; None for no calls.
 
-        Raise NotClosed if the scene does not reach a rest, or if a first start of the case is at the start of the run.
-        With `rests_first`, also raise it if this start is not after the first rest.
+        Raise NotClosed if the scene does not reach a rest, if the first start of the case is at the start of the run,
+        or, with `rests_first`, if it is before the first rest.
         """
         self.records = records or RoundDigest()
         self.scene: Scene = covered.free_scene(self.records, keep_values, on_request)
@@ -67,7 +70,7 @@ class FreeRun:
         (self._dsp, *_) = self.scene.units.values()
         program: Any = self._dsp.program
         self._program = program  # the program of an image
-        self._free: range = range(0)  # addresses of the free words of the stack, at the last rest
+        self._free: range = range(0)  # the addresses of the words of the stack that were free at the last rest
         if self.scene.host is not None:
             program.cpu.marks = DataMarks()
         # The reference is weak: a reference from the compiled CPU to this object would keep both alive for ever.
@@ -101,14 +104,14 @@ class FreeRun:
         return clock.tick(cycle + 1) - clock.tick(cycle)
 
     def state(self) -> NormalState:
-        """Return the normal state. Raise NotClosed if a part of the scene has none."""
+        """Return the present normal state. Raise NotClosed if a part of the scene has none."""
         try:
             return normal_state(self.scene, self._ignored)
         except NotComparable as error:
             raise NotClosed(str(error)) from None
 
     def not_repeating(self, before: NormalState, after: NormalState) -> NotClosed:
-        """Return the error for states at both ends of a period that differ."""
+        """Return the error for a rest without an orbit. before, after: its states one period apart, which differ."""
         polls = self._program.cpu.polls
         if polls.asleep and not polls.reads_modules:
             place = self._program.place()
@@ -122,7 +125,7 @@ class FreeRun:
     def start(self, frames: int | None = None, rounds: int | None = None, count_from: int | None = None) -> None:
         """Start a frame at tick `frames`, a round at tick `rounds`, or both, and advance to the later start.
 
-        count_from: the tick from which records are counted; None for the earlier start.
+        count_from: the tick from which the digest counts the times of records; None for the earlier start.
         """
         scene, starts = self.scene, [start for start in (frames, rounds) if start is not None]
         self.records.begin(min(starts) if count_from is None else count_from)
@@ -138,12 +141,10 @@ class FreeRun:
         scene.advance(max(starts))
 
     def settle(self) -> None:
-        """Advance to the beginning of a cycle at which no event is scheduled, and instants of the round are long past.
+        """Advance to a rest: to a cycle at which no event is due, and at which instants of the round are long past.
 
-        An instant is long past after `long` ticks.
-
-        Raise NotClosed if there is no such cycle within a second, or if the firmware has accessed one of
-        CLOCK_REGISTERS since the first start.
+        Raise NotClosed if there is no rest within a second, or if the firmware has accessed one of CLOCK_REGISTERS
+        since the first start.
         """
         scene, until = self.scene, self.now + self.scene.timebase.per_second
         while not self.is_over():
@@ -163,7 +164,7 @@ class FreeRun:
 
     @property
     def data_use(self) -> str:
-        """The first use of data of frames by which they can decide more than bytes to send, as text; "" for none."""
+        """The first use of the data of a frame that decides what the firmware does, as text; "" for none."""
         marks = self._program.cpu.marks
         if marks is None or marks.found is None:
             return ""
@@ -175,6 +176,7 @@ class FreeRun:
         self.scene.advance(clock.tick(clock.cycle_at(self.now + 1)))
 
     def _step(self, ticks: int, until: int, otherwise: str) -> None:
+        """Advance by some ticks. If tick `until` is over already, raise NotClosed with the message `otherwise`."""
         if self.now > until:
             raise NotClosed(otherwise)
         self.scene.advance(self.now + ticks)
@@ -185,7 +187,7 @@ class FreeRun:
         return (scene.head is None or scene.head.at_rest) and (scene.host is None or not scene.host.is_sending)
 
     def read_unwritten(self, address: int) -> None:
-        """Handle a read of a word that was not written. Raise NotClosed if it was a free word of the stack."""
+        """Handle a read of a word that was not written yet. Raise NotClosed if it is a free word of the stack."""
         if address in self._free:
             what = f"{self._program.place()} reads {address:#06x} on the stack"
             raise NotClosed(f"{what}, which it has not written since the last rest")
@@ -193,6 +195,7 @@ class FreeRun:
 
 
 def _read_unwritten(run: ref[FreeRun], address: int) -> None:
+    """Call `read_unwritten` of a run, if the run still exists."""
     found = run()
     if found is not None:
         found.read_unwritten(address)

@@ -1,15 +1,16 @@
-"""Proof that a table of groups holds for all bit rates of the host within a range.
+"""Proof that a closed table with rounds and frames holds for all bit rates of the host within a range.
 
     rates from -100 to 100 ppm --rate_runs--> each sequence of samples that an SCI can take of a frame
-    a frame with such a sequence, run alone --> equal to a frame of the table, some samples earlier or later
+    a frame with such a sequence, run alone --> like a frame of the table, some samples earlier or later
 
-An SCI sees of a frame only the samples of its line. An edge that is t ticks after the start of a frame comes before
-sample (p + t) // S, where S is the period of the samples and p the distance of the start from the sample before it. At
-another rate, t changes by up to a few ticks, so few edges come before another sample: a range of rates has far fewer
-sequences of samples than rates and starts. Each sequence is run with the least and the greatest p that it has at one
-rate. Each run has the same effects as a frame of the table, so its service routine comes at the same instant, with the
-same data. The rest of the scene notices nothing else of a frame (`GroupRunner.check_frame`), so a round and a frame
-with this sequence are a group of the table, too. Random groups are run to check this.
+An SCI receives of a frame only the samples of its line. At another rate, an edge of the frame moves by up to a few
+ticks, so few edges move from one side of a sample to the other. Therefore, a range of rates has far fewer sequences of
+samples than rates and starts. Each sequence is run at one rate, with the earliest and the latest start between two
+samples that gives it there.
+
+Each of these runs must be like a frame of the table: the service routine comes at the same instant, with the same data.
+The rest of the scene notices nothing else of a frame (`GroupRunner.check_frame`). So a round with such a frame is like
+a group of the table, too. Random groups are run to check this. The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from .stretch import CoveredCase, Job
 
 MOST_RATES = 2000  # maximum number of scenes, each with another rate
 SOME = 8  # number of groups from which one is chosen for a run
-# Lengths of a bit in ticks. For each of them, the ranges of starts in ticks: the least and the greatest of each.
+# Lengths of a bit in ticks, each with the starts to run: for each sequence of samples, the least and the greatest one.
 RatePlan = list[tuple[Fraction, tuple[tuple[int, int], ...]]]
 OTHER_REST = "the firmware reaches a state of rest that is not in the table"
 
@@ -45,9 +46,10 @@ class RateTask(Struct, frozen=True):
     """Frames to run at one rate of the host.
 
     error: the value of `host.error`, in percent.
-    starts: for each sequence of samples, the least and the greatest number of ticks from a sample to the frame's start.
-    frames: frames of the table, for each orbit. For each of `starts`, one of them is run alone.
-    groups: groups with a round and a frame, for each orbit. `count` of them are run, each with one of `starts`.
+    starts: for each sequence of samples, the least and the greatest offset of frames that have it.
+    frames: for each orbit, some frames alone of the table. With each of `starts`, one of them is run.
+    groups: for each orbit, some groups of the table that have a round and a frame.
+    count: the number of these groups that are run, each with an offset that has one of the sequences.
     """
 
     error: Fraction
@@ -60,13 +62,15 @@ class RateTask(Struct, frozen=True):
 def rate_runs(
     places: Sequence[Fraction], bits: tuple[Fraction, Fraction], sample: int, first: int
 ) -> Iterator[tuple[Fraction, tuple[tuple[int, int], ...]]]:
-    """Yield lengths of a bit, each with the starts to run with it, so that all sequences of samples are among them.
+    """Yield lengths of a bit, each with starts of a frame, such that runs with them have all sequences of samples.
+
+    A start is counted from the sample before it. The starts are pairs: the least and the greatest one with a sequence.
 
     places: the places of the edges of a frame after its start, in bits, in ascending order.
     bits: the least and the greatest length of a bit, in ticks.
     sample: the number of ticks from one sample to the next.
-    first: the number of ticks from a sample to the first frame of the case. Lengths of a bit are also yielded without
-        starts, so that the first frame has each of its sequences in a run.
+    first: the start of the first frame of the case, which cannot be moved. For each of its sequences, a length of a bit
+        is yielded, if necessary without starts.
     """
     least, most = bits
     changes = {
@@ -101,14 +105,14 @@ def rate_runs(
 
 
 def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> RatePlan:
-    """Return the rates of the host to run, which differ from that of the case by at most `within`, in ppm.
+    """Return the rates of the host to run, each as the length of a bit with the offsets of frames (see `rate_runs`).
 
-    The result has those of `rate_runs`, with starts that are counted from the beginning of a frame's cell.
+    maker: the maker of the table, after `explore`.
+    ignored: the ignored attributes.
+    within: the greatest difference from the rate of the case, in ppm.
 
-    maker: the maker of a table that knows the cells of frames. ignored: as for `PairMaker`.
-
-    Raise NotClosed if there are too many, if the interrupt is not requested with the last character of a frame, or if
-    the start-up code may notice more of the first frame than the service routine.
+    Raise NotClosed if there are too many rates, if the SCI does not request its interrupt during the last character of
+    a frame, or if the start-up code may notice more of the first frame than the service routine.
     """
     covered, known = maker.covered, maker.known
     host, cells = covered.case.host, known.cells
@@ -136,13 +140,12 @@ def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> Ra
 def prove_rates(
     plan: RatePlan, maker: PairMaker, job: Job, ignored: Sequence[str], least_again: int, call_all: CallAll
 ) -> None:
-    """Run frames at all rates of a plan.
+    """Run frames at all rates of a plan. Raise NotClosed if one of them is like no frame of the table.
 
-    maker: the maker of the closed table. Its table gets the least distance of starts that holds for these rates.
-    job, ignored, call_all: as for `PairMaker`.
-    least_again: the least number of groups that are run again, at random rates.
-
-    Raise NotClosed if a frame has other effects than each frame of the table.
+    maker: the maker of the closed table. `apart` of this table is increased to the distance that these rates need.
+    job: the case. ignored: the ignored attributes.
+    least_again: the least number of groups with a round and a frame that are run at these rates.
+    call_all: makes the calls that run frames, possibly in other processes.
     """
     each = ceil(least_again / sum(bool(starts) for _, starts in plan))
     orbits = range(len(maker.known.orbits.known))
@@ -164,7 +167,7 @@ def prove_rates(
 
 
 def edge_places(data: bytes, gap: Fraction) -> list[Fraction]:
-    """Return the places of the edges in a burst of characters, in bits from its start. gap: idle bits between them."""
+    """Return the places of the edges in a frame, in bits from its start. gap: the idle bits between its characters."""
     line, found = UartFormat(), []
     for number, byte in enumerate(data):
         begin, levels = number * (line.length + gap), [1, *line.levels(byte)]
@@ -181,9 +184,11 @@ def _exact_bit(covered: CoveredCase) -> Fraction:
 def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, seed: int) -> int:
     """Run the frames and groups of a task, and return the greatest length of a group, in ticks.
 
-    seed: determines with which start each group is run.
+    Raise NotClosed if one of them is not like those of the table. Worker processes call this.
 
-    Raise NotClosed if a run differs from those of the table. Another process can call this.
+    ignored: the ignored attributes.
+    known: what the runs of the table have found.
+    seed: determines which groups are run, and with which offsets.
     """
     try:
         return _run_rate(job, ignored, known, task, seed)
@@ -192,6 +197,7 @@ def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, see
 
 
 def _run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, seed: int) -> int:
+    """Do the same as `run_rate`, with messages that do not name the rate."""
     covered = within_round(case_of(job, Path.cwd())).with_host("error", task.error)
     orbits, random = len(known.orbits.known), Random(seed)
     known = deepcopy(known)  # a call must not change the arguments of other calls in this process
@@ -199,7 +205,7 @@ def _run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, se
     sample, pair, lengths = known.cells.period, PairRun(covered, ignored, known), [0]
 
     def run(groups: dict[int, list[KnownGroup]], offset: int) -> tuple[GroupRun, GroupRun]:
-        """Run one of the groups that start from the present orbit. Return its run in the table, and this run."""
+        """Run one of the groups of the present orbit with this offset. Return its run in the table, and the new run."""
         orbit = pair.runner.at[0]
         if orbit >= orbits:
             raise NotClosed(OTHER_REST)
@@ -209,6 +215,7 @@ def _run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, se
         return one.run, found
 
     def is_like(groups: dict[int, list[KnownGroup]], offset: int) -> bool:
+        """Run one of the groups of the present orbit. Return True if it is like its run in the table."""
         known, found = run(groups, offset)
         return known.is_like(found)
 

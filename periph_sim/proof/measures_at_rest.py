@@ -1,8 +1,10 @@
-"""Check, whenever a scene is at rest, whether each value of a measure follows from one round.
+"""Check, whenever a scene is at rest, whether all values of a budget's measure follow from single rounds.
 
-round --> rest --> round        a pair that waits for its second event lasts into the next round
-      |        |                a round with too few measured values can be repeated until a run is not judged
+round --> rest --> round        spanning: a pair that waits for its second event lasts into the next round
+      |        |                lacking: a round with too few values, of which a run could consist
    measure at rest
+
+A closed table proves only budgets with which neither is the case. The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from ..timing.measures.measure import Measure
 from ..timing.measures.pair import FIRST, SECOND, Between
 from ..timing.verdict import Verdict
 
-# Kinds of records that a scene at rest does not make before the START of the next transfer, if no frame comes.
+# Kinds of records of which a scene at rest makes none until the START of the next transfer, if no frame comes.
 AFTER_START = frozenset([Kind.ACCESS, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS])
 
 
@@ -26,20 +28,16 @@ class MeasuresAtRest:
     """Observes the measures of a run at each rest.
 
     spanning: the names of the budgets with an occurrence that was not over at a rest.
-    lacking: the names of the budgets for which a round had too few measured values, or whose values the run did not
-        judge.
-    empty: pairs (kind of start, name of a budget). The kind is "rounds" or "frames". A pair is added if the budget had
-        no value after a start of this kind.
+    lacking: the names of the budgets that had too few measured values in a round, or no verdict in the run.
+    empty: a pair such as ("rounds", "response") for each budget that had no value after a round, and such as ("frames",
+        "response") for each budget that had no value after a frame.
 
-    The budgets in `empty` are lacking under these conditions:
-
-    - `closed_table` regards each of them as lacking.
-    - `pair_table`, for cases with both rounds and frames, regards a budget as lacking only if it is in pairs with both
-      kinds. It is sufficient that a budget has a value after each round, or that it has a value after each frame.
+    Budgets in `empty` count as lacking, too. But in a case with rounds and frames, only those with both pairs do: it is
+    sufficient that a budget has a value after each round, or a value after each frame.
     """
 
     def __init__(self, judges: Sequence[BudgetJudge], after_start: Collection[Kind] = AFTER_START) -> None:
-        """after_start: kinds of records that a scene at rest does not make before the START of the next transfer."""
+        """after_start: kinds of records of which a scene at rest makes none until the START of the next transfer."""
         self.spanning: set[str] = set()
         self.lacking: set[str] = set()
         self.empty: set[tuple[str, str]] = set()
@@ -48,28 +46,32 @@ class MeasuresAtRest:
         self._before = [(0, 0)] * len(judges)  # for each judge, `measured` and `occasions` at the last rest
 
     def rest(self, now: int, starts: Collection[str] = ("rounds",)) -> None:
-        """Observe the measures at tick `now`, at which the scene is at rest.
+        """Observe the measures at the present rest. now: the present tick.
 
-        starts: the kinds of starts since the last rest, "rounds", "frames" or both; empty if nothing has started yet.
+        starts: what has started since the last rest: "rounds", "frames", both or nothing.
         """
         for place, judge in enumerate(self._judges):
             measure, (values, _) = judge.measure, self._before[place]
             if lasts(measure, now, self._after_start):
                 self.spanning.add(judge.budget.name)
             self._count(place, measure.measured, measure.occasions)
-            # events wait in the queue until it is known which of them is the last one of its group
+            # events are in the queue until it is known whether they are the last ones of a transfer
             waits = isinstance(measure, EventMeasure) and bool(measure._queue)
             if not waits and measure.series and measure.occasions is None and measure.measured == values:
                 self.empty |= {(start, judge.budget.name) for start in starts}
 
     def finish(self, verdicts: Sequence[Verdict]) -> None:
-        """Observe the verdicts after the end of the run. They are in the order of the judges."""
+        """Observe the verdicts after the end of the run, given in the order of the judges."""
         for place, verdict in enumerate(verdicts):
             self._count(place, verdict.measured, verdict.occasions)
             if verdict.count and not (verdict.passed or verdict.broken):
                 self.lacking.add(verdict.name)
 
     def _count(self, place: int, measured: int, occasions: int | None) -> None:
+        """Note a budget as lacking if it has too few values since the last rest. place: the index of its judge.
+
+        measured: the number of values so far. occasions: the number of values that there should be; None for any.
+        """
         budget, (values, asked) = self._judges[place].budget, self._before[place]
         if occasions is not None and measured - values < budget.coverage * (occasions - asked):
             self.lacking.add(budget.name)
@@ -79,10 +81,11 @@ class MeasuresAtRest:
 def lasts(measure: Measure, now: int, after_start: Collection[Kind] = AFTER_START) -> bool:
     """Return True if an occurrence of a measure has begun, and may end in the next round.
 
-    after_start: as for `MeasuresAtRest`.
+    `Measure.unfinished` leaves out some such occurrences: pairs whose transfer or round has had its STOP, and events of
+    which it is not known yet whether they are the last ones, such as "last interrupt of transfer".
 
-    `Measure.unfinished` does not report all such occurrences. It leaves out pairs whose transfer or round has had its
-    STOP, and events that wait until it is known whether they are the last ones of their group.
+    now: the present tick.
+    after_start: kinds of records of which a scene at rest makes none until the START of the next transfer.
     """
     if measure.unfinished(now) or (isinstance(measure, Margin) and measure.holds_byte):
         return True
@@ -105,14 +108,14 @@ def lasts(measure: Measure, now: int, after_start: Collection[Kind] = AFTER_STAR
 
 
 def round_events(measure: Measure) -> set[str]:
-    """Return the records about the schedule of rounds that a measure uses, such as "due" and "next"."""
+    """Return the names of the records about the schedule of rounds that a measure uses, such as {"due", "next"}."""
     if not isinstance(measure, EventMeasure):
         return set()
     return {one.what for one in events_of(measure) if one.kind is Kind.ROUND}
 
 
 def events_of(measure: EventMeasure) -> list[Matcher]:
-    """Return all events on which the values depend: also those of clauses, and those that begin and end groups."""
+    """Return all events on which the values depend, also those of clauses such as "of transfer", and their ends."""
     each = [one for matcher in measure._all_matchers for one in matcher.each]
     groups = [one.group for one in each if one.group is not None]
     ends = [end for group in groups for end in (group.begin, group.end)]

@@ -4,9 +4,9 @@
     writes of registers in a round:               -----w---w--w-----
     phases at which an interrupt is near a write: --fffffffffffff---  run cycle by cycle
 
-If an interrupt comes within a wait or a computation, and its service routine ends before the next event, then a
+If an interrupt comes during a wait or a computation, and its service routine ends before the next event, then a
 difference of one cycle does not change the order of events. Near a write, a difference of one cycle can change it.
-The choice of phases is not part of any claim: a report states which phases were run.
+The choice of phases is not part of any claim: reports say which phases were run.
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ from contextlib import suppress
 from ..core.records import Kind, Record
 from .stretch import RUN_ERRORS, CoveredCase
 
-BEFORE, AFTER = 400, 60  # limits of "near": an interrupt comes at most 400 cycles before, or 60 cycles after, a write
-# If more than MAX_NEAR phases are near a write, none of them is chosen for this reason. Some firmware writes registers
-# at each edge of the bus.
+BEFORE, AFTER = 400, 60  # "near": an interrupt comes at most 400 cycles before a write, or 60 after it
+# If more than MAX_NEAR phases are near a write, the writes are not considered. Some firmware writes registers at each
+# edge of the bus.
 MAX_NEAR = 100_000
-OBSERVED = 8  # number of rounds with a frame that are observed; their phases are evenly spaced
-# Service routines in two rounds belong to the same interrupt if their times since the start of the frame differ by less
-# than SAME cycles.
+OBSERVED = 8  # number of phases at which a round with a frame is observed; they are evenly spaced
+# Two entries of service routines, in two rounds, count as the same one if their times since the start of the frame
+# differ by less than SAME cycles.
 SAME = 400
-WRITE = "W "  # the text of the record of a write access begins with this
+WRITE = "W "  # the texts of records of writes begin with this
 
 
 class Observed:
-    """The writes and interrupts of a few rounds. Times are cycles of `Phases`.
+    """The writes and interrupts of a few rounds that were run. All times are in cycles.
 
-    writes: for each write of a register, the time since the start of its round.
-    delays: for each service routine that is entered in all observed rounds, the time from the start of the frame to
-        its entry. Rounds in which no service routine is entered do not count.
+    writes: the times of all writes of registers, each from the start of its round.
+    delays: the times from the start of a frame to the entries of service routines. Only those that all rounds have are
+        included, apart from rounds without any.
     """
 
     def __init__(self, covered: CoveredCase) -> None:
@@ -43,7 +43,7 @@ class Observed:
         scene = covered.scene_of(
             *phases.inputs(chosen), covered.case.seed, lambda recorder, _: recorder.subscribe(kinds, records.append)
         )
-        with suppress(*RUN_ERRORS):  # an error ends the run; the rounds before it are observed
+        with suppress(*RUN_ERRORS):  # after an error, the rounds before it are used
             scene.run()
         starts = phases.starts([*chosen, chosen[-1]])
         self.writes: set[int] = set()
@@ -58,7 +58,7 @@ class Observed:
         self.delays = [one for one in first if all(any(abs(one - each) < SAME for each in other) for other in others)]
 
     def near(self, count: int) -> set[int]:
-        """Return the phases at which an interrupt of a frame is near a write. count: number of phases of a period."""
+        """Return the phases at which an interrupt of a frame is near a write. count: the number of all phases."""
         middles = [write - delay for write in self.writes for delay in self.delays]
         return {at % count for middle in middles for at in range(middle - BEFORE, middle + AFTER + 1)}
 
@@ -66,8 +66,8 @@ class Observed:
 def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> tuple[list[int], int]:
     """Return the phases to run, in ascending order, and how many of them are near a write.
 
-    Phases near a write are searched only if `step` is above 1, and phases are counted from the start of a round. If
-    there are more than MAX_NEAR of them, they are not chosen, and the number is 0.
+    Phases near a write are searched only if `step` is above 1, and the case has both frames and rounds. If there are
+    more than MAX_NEAR of them, they are not chosen, and the number is 0.
 
     step: the distance between the other phases, in cycles.
     bounds: the first and the last phase that may be run. Both are chosen.
@@ -82,6 +82,6 @@ def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> t
 
 
 def parts_of(phases: Sequence[int], size: int) -> Iterator[list[int]]:
-    """Yield the phases in lists of at most `size` phases."""
+    """Yield the phases in order, in lists of at most `size` phases."""
     for first in range(0, len(phases), size):
         yield list(phases[first : first + size])

@@ -1,18 +1,16 @@
-"""Normal form of the state of a scene. If two states have equal normal forms, the scene continues equally from both.
+"""Normal states of scenes. If the normal states at two times are equal, the scene continues equally from both.
 
     modules --NormalCollector--> {"dsp.SCI-A.chip._rx": ("SciRx", (0, 12, ...)), ...} --> digest
 
-A snapshot (`core.snapshot`) contains everything that a restored scene needs to go on. A scene can continue equally from
-two states although their snapshots differ, because a snapshot also contains counters, instants of the past, and the
-instants at which periodic grids began. The classes declare which of their attributes these are (`core.state`: results,
-expires, grids). A class that needs more has a method `normal_state(cycle, tick)`, which returns a dictionary from the
-names of attributes to the values to compare instead. The name `_bits.next_tick`, for example, means the attribute
-`next_tick` of the attribute `_bits`.
+A snapshot (`core.snapshot`) contains everything that a restored scene needs to go on, but also values that have no
+effect any more: counters, instants of the past, and the instants at which periodic grids began. The classes declare
+which of their attributes these are (`core.state`: results, expires, grids). A normal state is a snapshot without them.
+A class that needs more has a method `normal_state(cycle, tick)`, which returns the values to compare instead of its
+attributes, by name. For example, the name `_bits.next_tick` is that of attribute `next_tick` of attribute `_bits`.
 
-An attribute without such a declaration is compared as it is, so states from which the scene continues equally can have
-different normal forms. In contrast, states from which it continues differently have equal forms only if a declaration
-is wrong, or if an attribute contains an absolute instant that is not declared as one. To find such mistakes, tests
-change what the normal form leaves out, and closed tables (`closed_table`) run entries again.
+If a declaration is missing, equal states can look different. Then a table cannot be closed, but no proof is wrong. If a
+declaration is wrong, or if an attribute contains an instant that is not declared as one, different states can look
+equal. To find such mistakes, tests change what normal states leave out, and closed tables run entries again.
 """
 
 # core: compiled
@@ -37,24 +35,24 @@ from ..scene.scene import Scene
 from ..scene.state import modules_of
 
 EXPIRED = "expired"  # replaces an instant that is long past
-LONG_PAST = 1000  # an instant is long past after 1 / LONG_PAST seconds
+LONG_PAST = 1000  # an instant is long past after 1 / LONG_PAST seconds, so 1 ms
 DIGEST = 16  # length of a digest, in bytes
 
 NormalState = dict[str, object]
 
 
 class NotComparable(Exception):
-    """A part of a scene declares no state, so the states of the scene cannot be compared."""
+    """Error: a part of a scene declares no state, so the states of the scene cannot be compared."""
 
 
 class AttributePlan(NamedTuple):
-    """The way in which the attributes of a class are collected.
+    """The way in which the attributes of the objects of a class are collected.
 
     kind: the name of the class. state: its declared state. normalises: True if it has a method `normal_state`.
     names: the attributes that are stored as they are, if their values are plain.
     values: a function that returns the values of `names` for an object.
-    others: the other attributes that belong to the normal form. Each has the time of its instants, and is True if it
-        needs `NormalCollector.collect`, False if `NormalCollector._value` is sufficient.
+    others: the other attributes of the normal state, each with the unit of its instants, and True if it is collected
+        with `NormalCollector.collect`, False if with `NormalCollector._value`.
     """
 
     kind: str
@@ -66,11 +64,12 @@ class AttributePlan(NamedTuple):
 
 
 class NormalCollector(Collector):
-    """Collects the normal form of the state of modules.
+    """Collects the normal state of modules.
 
+    modules: the modules, by name. tick: the present tick.
     long_past: for each unit of time, the age from which on an instant is long past.
-    ignored: names of attributes that are not compared.
-    periods: for the name of each attribute that repeats on a grid of cycles, the period of the grid in cycles.
+    ignored: the names of attributes that are left out.
+    periods: the period in cycles of each attribute that repeats on a grid of cycles, by its name.
     """
 
     def __init__(
@@ -79,11 +78,12 @@ class NormalCollector(Collector):
         self._long_past = long_past
         self._ignored = ignored
         self._owners = {name.rpartition(".")[0] for name in ignored}
-        self._instead: dict[int, dict[str, object]] = {}  # by `id` of the object and attribute
+        self._instead: dict[int, dict[str, object]] = {}  # [id of an object][attribute]: value to store instead
         self.periods: dict[str, int] = {}
         Collector.__init__(self, modules, tick, 0)
 
     def attributes(self, name: str, target: object) -> None:
+        """Store the attributes of an object. name: the name of the object in the normal state."""
         kind = type(target)
         instead: dict[str, object] = self._instead.get(id(target), NOTHING)
         plan: AttributePlan | None = _plans.get(kind) if not instead else None
@@ -125,7 +125,7 @@ class NormalCollector(Collector):
             self.values[f"{name}.{attribute}"] = other
 
     def _normalise(self, target: Any) -> None:
-        """Call the method `normal_state` of an object, and keep the values that replace those of attributes."""
+        """Call the method `normal_state` of an object, and note the values that it returns for `_instead`."""
         for path, value in target.normal_state(self.now[Time.CYCLES], self.now[Time.TICKS]).items():
             *parts, attribute = path.split(".")
             owner: object = target
@@ -145,7 +145,7 @@ class NormalCollector(Collector):
 
     def _value(self, name: str, value: Any, time: Time) -> None:
         kind = type(value)
-        if kind in PLAIN:  # most values, so this is checked first
+        if kind in PLAIN:  # checked first, because most values are plain
             self.values[name] = value if time is Time.NONE else self._relative(value, time)
         elif id(value) in self._names:
             self.values[name] = ("reference", self._names[id(value)])
@@ -174,12 +174,13 @@ class NormalCollector(Collector):
             Collector._container(self, name, value, time)
 
     def _relative(self, value: Any, time: Time) -> Any:
-        if type(value) is int and 0 < value < NEVER:  # most instants; others can be special values
+        if type(value) is int and 0 < value < NEVER:  # most instants; other values can have a special meaning
             return value - self.now[time]
         found = Collector._relative(self, value, time)
         return tuple(found) if isinstance(found, Fixed) else found
 
     def _on_grid(self, place: str, value: Any, period: Any, time: Time) -> Any:
+        """Return the time since the last repetition of a grid. value: an instant at which it began, or a list."""
         if isinstance(value, list):
             pairs = enumerate(zip(value, period, strict=True))
             return tuple([self._on_grid(f"{place}[{n}]", one, each, time) for n, (one, each) in pairs])
@@ -190,6 +191,7 @@ class NormalCollector(Collector):
         return (self.now[time] - value) % period
 
     def _expiring(self, value: Any, time: Time) -> Any:
+        """Return an instant relative to now, or EXPIRED if it is long past. value: an instant, or a container."""
         if isinstance(value, dict):
             left = {key: self._expiring(one, time) for key, one in value.items()}
             return tuple(sorted((key, one) for key, one in left.items() if one != EXPIRED))
@@ -201,7 +203,7 @@ class NormalCollector(Collector):
 
 
 def _plan(kind: type, instead: Collection[str]) -> AttributePlan:
-    """Return the plan of a class. instead: attributes that `normal_state` methods replace by other values."""
+    """Return the plan of a class. instead: the attributes for which a method `normal_state` returned other values."""
     state = state_of(kind)
     assert state is not None, f"{kind.__name__} declares no state"
     counts = [name for name, time in state.times.items() if name not in state.results and time is not Time.RECORDS]
@@ -227,24 +229,24 @@ NOTHING: dict[str, object] = {}
 NOT_SET = object()
 SEQUENCES = (list, tuple, deque)
 EMPTY = ("dict",)
-_plans: dict[object, AttributePlan] = {}  # by the class, or by the class and the names of replaced attributes
+_plans: dict[object, AttributePlan] = {}  # by the class, or by (class, names of attributes with other values)
 
 
 def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:
-    """Return the normal form of the state of a scene between two runs, by the names of its parts.
+    """Return the normal state of a scene that is not running now, by the names of its parts.
 
-    ignored: names of attributes that are not compared. Raise NotComparable if a part declares no state.
+    ignored: the names of attributes that are left out. Raise NotComparable if a part declares no state.
     """
     return _collected(scene, ignored).values
 
 
 def periods_of(scene: Scene) -> dict[str, int]:
-    """Return the period in cycles of each attribute of a scene's clocks and waits that repeats, by its name."""
+    """Return the period in cycles of each attribute that repeats on a grid of cycles, by its name."""
     return _collected(scene, ()).periods
 
 
 def period_of(scene: Scene) -> int:
-    """Return the number of cycles in which all grids of a scene's clocks and waits repeat."""
+    """Return the number of cycles after which all these attributes repeat: the period of an orbit."""
     return lcm(*periods_of(scene).values())
 
 
@@ -261,13 +263,13 @@ def _collected(scene: Scene, ignored: Collection[str]) -> NormalCollector:
 
 
 def digest(state: NormalState) -> bytes:
-    """Return a digest of a normal state. Equal normal states have equal digests."""
+    """Return a digest of a normal state. Equal states have equal digests."""
     text = " ".join(state) + repr(list(state.values()))
     return blake2b(text.encode(), digest_size=DIGEST).digest()
 
 
 def differences(one: NormalState, other: NormalState) -> list[str]:
-    """Return the names of the attributes that differ in two states."""
+    """Return the names of the attributes in which two normal states differ."""
     found: list[str] = []
     plans = {(plan.kind, len(plan.names)): plan for plan in _plans.values()}
     for name in {**one, **other}:

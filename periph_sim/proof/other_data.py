@@ -1,12 +1,11 @@
-"""Frames with other data: the reasons why a table holds for the data of its runs only, or for any data.
+"""Check whether a closed table, whose frames all have the same data, also holds for frames with other data.
 
-    runs of the table --marks (`image.data_marks`)--> no instruction uses data to decide what happens
+    runs of the table --marks of data--> no instruction uses data to decide what happens
     some of them, with static and with changing data --> equal records, apart from the bytes
 
-The marks prove it for the firmware. The line of the frames has other edges with other data, and an SCI notices these
-only in the bits that it receives: it starts to count its samples at the edge of the start bit, which any character has.
-`data_use` refuses settings with which this is not so, and the second line tests it. Words that show levels of lines, as
-GPADAT does, count as data, too.
+The marks (`image.data_marks`) prove it for the firmware. Words that show levels of lines, as GPADAT does, are marked,
+too. An SCI notices other data only in the bits that it receives: it counts its samples from the edge of the start bit,
+which each character has. Settings with which this is not so are found by `data_use`, and the second line is a test.
 """
 
 from __future__ import annotations
@@ -31,15 +30,15 @@ from .record_digests import SCI
 from .stretch import CoveredCase
 
 KINDS = (Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME)
-MOST_RUNS = 8  # maximum number of runs of a table that are compared with other data
+MOST_RUNS = 8  # maximum number of runs of a table that are repeated with other data
 SAMPLES = 8  # samples of an SCI in a bit
-WITH_DATA = (SCI, "SPISIMO", "SPISOMI", "SDA")  # the names of functions of pins that show data begin with one of these
+WITH_DATA = (SCI, "SPISIMO", "SPISOMI", "SDA")  # beginnings of the names of pin functions that show data
 ACTS_ON_DATA = "an SCI detects its rate from data, or its frames are not 8 data bits without parity and address bit"
-FURTHEST = Fraction(1, 50)  # greatest difference of the rates of host and SCI at which frames with any data are alike
+FURTHEST = Fraction(1, 50)  # maximum difference of the rates of host and SCI with which all data are received alike
 
 
 class TimesDigest(Listener):
-    """A digest of the times of all accesses, interrupts, and events and frames on lines, and of values without data."""
+    """A digest of the times of all records of KINDS, and of those of their values that cannot contain data."""
 
     def __init__(self) -> None:
         self.digest = 0
@@ -56,7 +55,7 @@ class TimesDigest(Listener):
 
 
 def data_use(covered: CoveredCase, table: StartTable) -> str:
-    """Return a phrase that says why a closed table does not hold for frames with any data; "" if it does.
+    """Return a phrase that says why a closed table holds for the data of the case only; "" if it holds for any data.
 
     covered: the case, which must have a host.
     """
@@ -85,7 +84,7 @@ def data_use(covered: CoveredCase, table: StartTable) -> str:
 
 
 def acts_on_data(scene: Scene) -> bool:
-    """Return True if data of frames, which have 8 data bits, decide what a receiving SCI does now."""
+    """Return True if a receiving SCI is set up such that the data of a frame can decide what it does."""
     for dsp in scene.units.values():
         cycle = dsp.clock.cycle_at(scene.kernel.now)
         for name, socket in dsp.sockets.items():
@@ -98,7 +97,7 @@ def acts_on_data(scene: Scene) -> bool:
 
 
 def _digest(covered: CoveredCase, table: StartTable, run: int) -> int:
-    """Run the starts of a run of a table, and return the digest of its times."""
+    """Repeat a run of a table, and return its digest. covered: the case, which can have other data."""
     digest = TimesDigest()
 
     def subscribe(recorder: Recorder, _: Timebase) -> None:
@@ -113,7 +112,7 @@ def _digest(covered: CoveredCase, table: StartTable, run: int) -> int:
 
 
 def follow_data(covered: CoveredCase, names: Sequence[str]) -> list[str]:
-    """Return those of the named budgets whose values can differ if the data differ, although all times are equal."""
+    """Return those of the named budgets whose values can differ with other data, such as one of edges of a TX line."""
     pins = [pin for unit in covered.case.unit.values() for pin in unit.pins.items()]
     shown = {name for name, number in pins if any(function.startswith(WITH_DATA) for function in FUNCTIONS[number])}
     others = {name for name, _ in pins} - shown
@@ -122,7 +121,7 @@ def follow_data(covered: CoveredCase, names: Sequence[str]) -> list[str]:
 
 
 def _is_of_data(event: Matcher, pins: set[str]) -> bool:
-    """Return True if other data can move or add an event."""
+    """Return True if other data can move or add an event. pins: the wires of pins that show no data."""
     if event.kind is Kind.EDGE:
         return not (event.where and event.where <= pins | {"SCL"})
     if event.kind is Kind.FLAG:

@@ -1,14 +1,16 @@
-"""Budgets that a table of groups can judge: those that a frame does not change, and those of the service routine alone.
+"""Choice of the budgets that a closed table with rounds and frames can judge.
 
-    bus, I2C flags, writes, MODEL    the rest of the scene    equal for all groups of a cell
-    SCIRXINTA, SCI accesses          the service routine      equal for all groups of a cell
-    both                             left out                 the routine moves relative to the rest
-    variables, reads, RX, RXFFST     left out                 a frame can move them
+    events of a budget               they belong to           judged?
+    bus, I2C flags, writes, MODEL    the rest of the scene    yes: equal for all groups of a cell of groups
+    SCIRXINTA, SCI accesses          the service routine      yes: equal for all groups of a cell of groups
+    some of both                                              no: the routine moves relative to the rest
+    variables, reads, RX, RXFFST                              no: a frame can move them
 
-A group is a round, a frame, or both together (`pair_groups`). A cell is a set of groups with equal effects, of which
-only the first and the last are run (`pair_table.Cell`). A budget is judged only if all its events are known to belong
-to the first line, or all to the second line. The digests of `GroupDigest` contain the writes, bus events and
-interrupts of the rest of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
+Of a cell, only the first and the last group are run, so a budget is judged only if its values are equal for all groups
+of the cell: if all its events are in the first line, or all are in the second one. `GroupDigest` has the writes, bus
+events and interrupts of the rest of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
+
+The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from ..timing.language.matcher import Matcher
 from .record_digests import SCI
 from .stretch import CoveredCase
 
-REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; MOVES: a frame can move the event
+REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; MOVES: a frame can move it in another way
 ALWAYS_REST = frozenset([Kind.BUS, Kind.TRANSFER, Kind.ROUND])
 LINES = frozenset(["SCL", "SDA"])
 I2C = "I2C"
@@ -29,7 +31,7 @@ OF_SCI = "PIEIFR9."  # the flags of PIE group 9, the group of SCI-A and SCI-B
 
 
 def side(event: Matcher, pins: Collection[str]) -> str:
-    """Return what an event belongs to: REST, ROUTINE or MOVES.
+    """Return what an event belongs to: REST for the rest of the scene, ROUTINE, or MOVES if a frame can move it.
 
     pins: the names of the wires of GPIO pins that cannot be pins of an SCI.
     """
@@ -52,13 +54,13 @@ def side(event: Matcher, pins: Collection[str]) -> str:
 
 
 def within_round(covered: CoveredCase) -> CoveredCase:
-    """Leave out the budgets of a case that a table of groups cannot judge, each with the reason, and return the case.
+    """Leave out the budgets of a case that a closed table with rounds and frames cannot judge, and return the case.
 
     These budgets are left out:
-    - budgets whose values depend on earlier rounds or frames, because a group does not contain them
-    - budgets that relate the service routine to other events, because it moves relative to them within a wait
+    - budgets whose values depend on earlier rounds or frames, because those are not in the group
+    - budgets that relate the service routine to other events, because it moves relative to them
     - budgets of events that a frame can move, because not every start of a frame is run
-    - budgets whose values do not depend on events only
+    - budgets whose values do not follow from events alone
     """
     pins = {
         name

@@ -1,18 +1,17 @@
-"""The free phase of a case: which starts move, and the inputs that place them at given phases.
+"""The phases of a case: which starts a coverage moves, and the inputs that place them at given phases.
 
     rounds   R0-------R1-------R2-------      a frame's phase is counted from the round in which the frame begins
     frames        F0-------F1-------F2--
               |-p-|
 
-If a case has a host and a controller, the frames move, and the rounds keep the schedule of the case. If the period of
-the frames is longer than that of the rounds, there is one frame in each group of several rounds, so that frames do not
-come more often than in the case. If a case has only a host or only a controller, its starts move, and a phase is
-counted from the time at which the start would be due without jitter. If a case has only a [serial] table, all its times
-`at` are later by the phase, and each run has one phase.
+With a host and a controller, the frames move, and the rounds keep the schedule of the case. Frames do not come more
+often than in the case: if their period is 3.2 rounds, for example, there is a frame in each fourth round. With only a
+host or only a controller, its starts move, and a phase is counted from the time at which the start would be due without
+jitter. With only a table [serial], all its times `at` are later by the phase, and each run has one phase.
 
-In a coverage of the start-up, a phase is the time from the start of the run to the first moved start. The further
-starts follow at the distance of a period. The last phase is just before the first round of the case. If the case has
-no rounds, the phases are those of one period.
+In a coverage of the start-up, a phase is the time from the start of the run to the first moved start. The other starts
+follow at the distance of a period. The phases end at the first round of the case or, without rounds, after one period.
+The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -34,9 +33,9 @@ from ..scene.plan import ScenePlan
 ROUNDS = 41
 REPEATED = 2  # repetitions of the last phase of a run: a phase can affect ages of data up to two rounds later
 WARM_UP = 3  # minimum number of periods before the first moved start; the firmware starts up in them
-# Tolerance in rounds: if the period of the frames is 0.95 to 1.05 rounds, runs have exactly one frame in each round.
+# Tolerance in rounds: if the period of the frames is 0.95 to 1.05 rounds, runs have one frame in each round.
 NEARLY = Fraction(1, 20)
-SERIAL_SPAN = Fraction(1, 1000)  # in seconds: default of the highest phase of sends, which no period limits
+SERIAL_SPAN = Fraction(1, 1000)  # in seconds: the phases of sends, which have no period, are below this by default
 
 Moved = Literal["frames", "rounds", "sends"]
 
@@ -54,15 +53,15 @@ class Grid(NamedTuple):
 class Phases:
     """The phases of one case. Raise BadCase if its starts cannot be moved (see `moved_starts`).
 
-    rounds: number of starts in a run with one phase alone.
+    rounds: the number of moved starts in a run with one phase alone.
     start_up: True to move the first start through the start-up, instead of all starts through a period.
     moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
     cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
-    count: number of phases: the cycles in a period; with `start_up` and a controller, those before the first round.
-    first_start: the number of ticks from the start of a run to the first due time.
-    jitter: the largest delay of a moved start, in ticks; 0 if the moved starts of the case have no jitter.
-    warm_up: number of periods before the first moved start. This start comes after the time `after` of each budget.
-        With `start_up`, the first moved start comes earlier, and a run has `warm_up` further starts instead.
+    count: the number of phases: the cycles in a period; with `start_up` and a controller, those before the first round.
+    first_start: the tick at which the first start is due, counted from the start of the run.
+    jitter: the largest delay of a moved start in the case, in ticks; 0 without jitter.
+    warm_up: the number of periods before the first moved start, which comes after the time `after` of each budget. With
+        `start_up`, the first start comes earlier, and a run has `warm_up` more starts instead.
     """
 
     def __init__(self, plan: ScenePlan, start_up: bool = False, rounds: int = ROUNDS) -> None:
@@ -105,13 +104,12 @@ class Phases:
         return self.moved == "sends" or self.start_up
 
     def least_distance(self, within: Fraction = Fraction(0)) -> int:
-        """Return the least number of ticks between two starts that the case allows.
+        """Return the least distance of two starts in the case, in ticks.
 
-        If both rounds and frames are free, this is the least distance of two rounds or of two frames, whichever is
-        smaller.
+        In a case with rounds and frames, it is that of two rounds or of two frames, whichever is smaller.
 
-        within: the greatest difference, in ppm, of the clock's error from the error in the case. It only counts if
-            rounds and frames are not both free.
+        within: the greatest difference of the controller's clock from that of the case, in ppm, which makes the
+            distance smaller. It has no effect in a case with rounds and frames.
         """
         longest = self._grid.period + self.jitter
         if self.is_relative:
@@ -125,34 +123,33 @@ class Phases:
         return self._plan.host[0].frames if self.moved == "frames" else self._plan.head.schedule.rounds
 
     def due_starts(self, count: int) -> list[int]:
-        """Return the ticks of the first `count` moved starts without jitter, from the start of the run."""
+        """Return the ticks at which the first `count` moved starts are due, counted from the start of the run."""
         period = self._grid.period // 1 if self._adds_delays else self._grid.period
         grid = Grid(self.first_start, Fraction(period))
         return [grid.due(number) for number in range(count)]
 
     def delays(self, seed: int, count: int) -> list[int]:
-        """Return the delays by jitter of the first `count` moved starts in a run with this seed, in ticks.
+        """Return the delays by jitter, in ticks, that the first `count` moved starts of the case have with this seed.
 
-        The sensor head and the host draw a number for each start. With `paced_by = "pause"`, the delay of a start also
-        delays all later ones.
+        With `paced_by = "pause"`, each delay also delays all later starts.
         """
         random = Random(seed + HOST_SEED if self.moved == "frames" else seed)
         drawn = [random.randrange(self.jitter + 1) for _ in range(count)]
         return list(accumulate(drawn)) if self._adds_delays else drawn
 
     def first_starts(self) -> dict[str, int]:
-        """Return the number of ticks from the start of a run to the first due start, for each kind of moved start.
+        """Return the tick at which the first start is due, from the start of the run, by the kind of the start.
 
-        If phases are counted from rounds, the kinds are "frames" and "rounds"; otherwise, the only kind is `moved`.
+        In a case with rounds and frames, the kinds are "frames" and "rounds"; otherwise, the only kind is `moved`.
         """
         if not self.is_relative:
             return {self.moved: self.first_start}
         return {"frames": self._plan.host[0].first, "rounds": self.first_start}
 
     def not_exact(self, any_tick: bool) -> str:
-        """Return why a first start of the case is not at an exact time, or why rounds do not start with a CPU cycle.
+        """Return why a case with rounds and frames has no closed table because of its starts; "" if it can have one.
 
-        Return "" if neither applies. any_tick: True if rounds need not start with a cycle.
+        The first starts must be without jitter. Rounds must start with a cycle, unless `any_tick` is True.
         """
         host, rounds = self._plan.host[0], self._plan.head.schedule
         for name, jitter in (("host", host.jitter), ("controller", rounds.jitter)):
@@ -164,14 +161,14 @@ class Phases:
         return ""
 
     def due(self, number: int) -> int:
-        """Return the tick from which the phase of moved start `number` is counted; not valid if `start_up` is True."""
+        """Return the tick from which the phase of moved start `number` is counted. Do not call it with `start_up`."""
         return self._grid.due(self.warm_up + number * self._rounds_per_frame)
 
     def starts(self, phases: Sequence[int]) -> list[int]:
-        """Return the ticks of moved starts with these phases, one in each period after the warm-up.
+        """Return the ticks of moved starts with these phases, one after the other, after the warm-up.
 
-        In a coverage of the start-up, the first start has the first phase. The others follow at the distance of a
-        period.
+        In a coverage of the start-up, the first start has the first phase, and the others follow at the distance of a
+        period. Their phases have no effect.
         """
         if self.start_up:
             first = self._start + phases[0] * self.cycle - self._grid.first
@@ -181,9 +178,8 @@ class Phases:
     def inputs(self, phases: Sequence[int]) -> tuple[InputsTable, Fraction]:
         """Return a table [inputs] with moved starts of these phases, and the duration of the run in seconds.
 
-        The last phase is repeated REPEATED times, so that the run is long enough for late effects of its first
-        occurrence. If there is only one phase, it has `rounds` starts; in a coverage of the start-up, it has `warm_up`
-        more.
+        A single phase has `rounds` starts; in a coverage of the start-up, it has `warm_up` more. Of several phases,
+        each has one start, and the last one has REPEATED more, so that late effects of its first start are seen.
 
         For sends, there must be exactly one phase. All sends of the case are then later by this phase.
         """
@@ -195,9 +191,10 @@ class Phases:
         return self.inputs_at(starts[:-1]), Fraction(starts[-1] - 1, self._per_second)
 
     def inputs_at(self, starts: Sequence[int], rounds: Sequence[int] | None = None) -> InputsTable:
-        """Return a table [inputs] with moved starts at these ticks, which count from the start of the run.
+        """Return a table [inputs] with starts at these ticks, counted from the start of the run.
 
-        rounds: the starts of the rounds in a case whose frames move; None for the rounds of the schedule.
+        starts: the moved starts, which must not be sends.
+        rounds: the starts of rounds in a case whose frames move; None for the rounds of the schedule.
         """
         times = tuple(Fraction(start, self._per_second) for start in starts)
         if self.moved != "frames":
@@ -208,14 +205,13 @@ class Phases:
 
     def cycles_after_due(self, tick: int) -> int:
         """Return the number of cycles from the beginning of the period that contains a tick to this tick."""
-        number = ceil((tick + 1 - self._grid.first) / self._grid.period) - 1  # the last period that has begun then
+        number = ceil((tick + 1 - self._grid.first) / self._grid.period) - 1  # the number of this period
         return (tick - self._grid.due(number)) // self.cycle
 
     def between(self, first: Fraction, last: Fraction) -> tuple[int, int]:
-        """Return the lowest and the highest phase between two times, in seconds.
+        """Return the lowest and the highest phase between two times, in seconds. Raise BadCase if there is no phase.
 
-        The highest phase is at most `count` - 1, except for sends, whose phases have no upper limit. Raise BadCase if
-        there is no phase between these times.
+        Phases of sends have no upper limit; others are at most `count` - 1.
         """
         low = -(-first * self._per_second // self.cycle)
         high = last * self._per_second // self.cycle
@@ -228,15 +224,16 @@ class Phases:
         return int(low), int(high)
 
     def phase_at(self, phases: Sequence[int], at: float) -> int:
-        """Return the phase of the last moved start at or before a time, in a run with these phases.
+        """Return the phase that the last moved start had at a time, in a run with these phases.
 
-        If there is no such start, return the first phase. at: seconds from the start of the run.
+        Before the first moved start, it is the first phase. at: seconds from the start of the run.
         """
         tick = self._start + round(at * self._per_second)
         number = sum(start <= tick for start in self.starts(phases))
         return phases[max(0, number - 1)]
 
     def seconds(self, phase: int) -> Fraction:
+        """Return the duration of a phase in seconds."""
         return Fraction(phase * self.cycle, self._per_second)
 
 
@@ -245,7 +242,7 @@ def moved_starts(case: Case) -> Moved:
 
     Raise BadCase if the case has no firmware or no free start, or if it has one of these inputs: faults, an outside
     party, starts in [inputs], [serial] beside [host] or [controller], a limited number of rounds beside [host], or
-    frames whose period is shorter than a round by more than NEARLY.
+    frames with a period below 0.95 rounds.
     """
     if not case.unit:
         raise case.mistake("there is no firmware to cover; give it a [unit.NAME]", "unit")
@@ -277,7 +274,7 @@ def moved_starts(case: Case) -> Moved:
 
 
 def _grid(plan: ScenePlan) -> Grid:
-    """Return the due times at which the periods begin. Phases are counted from these times."""
+    """Return the times at which periods begin, from which phases are counted."""
     start = plan.ticks.start
     if plan.case.controller is None and plan.case.host is None:
         return Grid(start, SERIAL_SPAN * plan.ticks.timebase.per_second)

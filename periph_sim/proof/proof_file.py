@@ -26,21 +26,22 @@ class ProofFile(SavedFile, frozen=True, kw_only=True):
     """The contents of a proof file.
 
     case: the name of the case.
-    moved: what starts: "rounds", "frames", or "rounds and frames".
+    moved: the kinds of the free starts: "rounds", "frames", or "rounds and frames".
     ticks_per_second: the number of ticks per second.
-    within_ppm: the greatest difference from `controller.ppm` that the proof covers; None for the case's clock only.
-    host_within_ppm: the greatest difference from the bit rate of the host that the proof covers, in ppm; None for the
-        rate in the case only.
-    any_tick: as in `TableProof`.
+    within_ppm: the proof holds for all clocks of the controller that differ from that of the case by at most this; None
+        for the clock of the case only.
+    host_within_ppm: the same for the bit rates of the host, in ppm.
+    any_tick: True if rounds can start at any tick; False if they start with a cycle. It only matters for a case with
+        rounds and frames.
     any_data: True if the proof holds for frames with any data, except for the budgets in `following_data`.
-    first: the tick of the case's first start or, if `rests_first` is True, of the first rest, from the start of the
-        run.
-    rests_first: True if the first start is any tick after `first`.
+    following_data: the proven budgets that hold for the data of the case only.
+    first: a tick from the start of the run: of the first start or, if `rests_first` is True, of the first rest.
+    rests_first: True if the proof holds for a first start at any tick after `first`; False if for `first` only.
     apart: the least distance of two starts for which the proof holds, in ticks.
-    starts: the number of starts in the tables, all of which were run.
-    again: the number of starts that were run again, and compared.
-    proven: a dictionary from each proven budget to its worst value.
-    not_proven: a dictionary from each other budget of the case to the reason.
+    starts: the number of entries that were run.
+    again: the number of entries that were run again.
+    proven: the worst value of each proven budget, by its name.
+    not_proven: the reason for each other budget of the case, by its name.
     """
 
     WHAT: ClassVar[str] = "proof"
@@ -63,14 +64,14 @@ class ProofFile(SavedFile, frozen=True, kw_only=True):
 
     @property
     def command(self) -> str:
-        """The command, without the case, that makes this proof again."""
+        """The options that make this proof again, such as "prove --table --ppm 10 --save"."""
         clocks = {"--ppm": self.within_ppm, "--host-ppm": self.host_within_ppm}
         ranges = "".join(f" {option} {within:.15g}" for option, within in clocks.items() if within is not None)
         return f"prove --table{ranges}{' --any-tick' if self.any_tick else ''} --save"
 
     @property
     def line(self) -> str:
-        """A sentence with the number of proven budgets, and the starts for which the proof holds."""
+        """For example, "1 of 1 budget proven for all sequences of rounds that start at least 4.4001 ms apart"."""
         of = len(self.proven) + len(self.not_proven)
         apart = milliseconds(self.apart, self.ticks_per_second)
         inputs = [starts_text(self.moved, apart, self.any_tick)]
@@ -82,12 +83,12 @@ class ProofFile(SavedFile, frozen=True, kw_only=True):
 
 
 def except_for(names: Sequence[str]) -> str:
-    """Return text that names the proven budgets that hold for the data of the case only; "" if there are none."""
+    """Return a phrase that names budgets which are proven for the data of the case only; "" for no names."""
     return f", except for {', '.join(names)}, whose events are data" if names else ""
 
 
 def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
-    """Return the contents of the proof file for closed tables."""
+    """Return the contents of the proof file of a proof whose tables are closed."""
     covered, worst = made.covered, made.worst()
     not_proven = covered.not_whole | made.not_proven()
     proven: dict[str, WorstRun] = {}

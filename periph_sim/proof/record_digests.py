@@ -1,12 +1,13 @@
-"""Digests of the records of a round, or of a group, which is a round, a frame, or a round and a frame that overlap.
+"""Digests of what is recorded in a round or in a group. Runs of an entry of a closed table must have equal digests.
 
-    records of a round                       --> digest of the round
+    round:  all records                              --> one digest; times are counted from the start of the round
 
-    records of the service routine of an SCI --> digest of the routine, counted from its entry
-    all other records                        --> digest of the group, counted from its round
+    group:  records of the service routine of an SCI --> digest of the routine; times are counted from its entry
+            all other records                        --> main digest; times are counted from the start of the round
 
 A group has two digests because the accesses of the routine move with the frame, and the other records do not.
-`GroupDigest.noticed` says whether the firmware can notice more of a frame than the instant of this routine.
+`GroupDigest.noticed` says whether the firmware can notice more of a frame than the instant of this routine. The
+glossary in `periph_sim.proof` has the terms.
 """
 
 # core: compiled
@@ -18,20 +19,20 @@ from zlib import crc32
 from ..core.records import UNWANTED, Kind, Listener
 from ..processor.image.data_marks import routes_lines
 
-# Registers of the watchdog, of the PLL and of the divider of LSPCLK. The normal state leaves out the watchdog and the
-# PLL, and the edges of LSPCLK depend on all former values of the divider.
+# Registers of the watchdog, of the PLL and of the divider of LSPCLK. Firmware must not access them after the start-up,
+# because normal states leave out the watchdog, the PLL, and the former values of the divider.
 CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS", "LOSPCP")
 SCI = "SCI"  # the names of SCI modules and of their interrupts begin with this
 SENDING = "SCITXBUF"
 OF_XINTS = ("PIEIFR1", "PIEIFR12")
 PADS = ("GPADAT", "GPBDAT", "GPCDAT")
-ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE, ROUTES_LINE = range(8)  # roles of records
+ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE, ROUTES_LINE = range(8)  # kinds of records of a group
 
 
 class RoundDigest(Listener):
     """Digest of what the firmware and the parties do in a round: writes, interrupts, events and frames on lines.
 
-    accessed: the first access to one of CLOCK_REGISTERS, as text; "" if there was none.
+    accessed: the first access to one of CLOCK_REGISTERS since `begin_free`, as text; "" if there was none.
     """
 
     def __init__(self) -> None:
@@ -51,15 +52,15 @@ class RoundDigest(Listener):
     def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag in self._accesses:
             self.accessed = self.accessed or self._accesses[tag]
-        # hash(-1) equals hash(-2), so all numbers are made odd
+        # hash(-1) equals hash(-2), so only odd numbers are hashed
         self._digest = hash((self._digest, tag, 2 * (tick - self._start) + 1, 2 * value + 1))
 
     def begin(self, tick: int) -> None:
-        """Begin a new digest. tick: ticks of the records are counted from here."""
+        """Begin a new digest. tick: the tick from which the times of records are counted."""
         self._start, self._digest = tick, 0
 
     def begin_free(self) -> None:
-        """Forget the accesses so far. Start-up code may set up the clocks and the SCI before the first start."""
+        """Forget the accesses so far, which are those of start-up code. Call it before the first start."""
         self.accessed = ""
 
     @property
@@ -68,14 +69,14 @@ class RoundDigest(Listener):
 
 
 class GroupDigest(RoundDigest):
-    """Digests of a group.
+    """Digests of a group. `digest` is that of all records but those of the service routine of an SCI, "the routine".
 
-    routine: the digest of the accesses of the service routine.
-    services: the number of times that the service routine of an SCI was entered since the start of the group.
-    entered, left: the ticks at which the service routine was last entered and last left.
-    accessed_since: the accesses of the main program, and the interrupts, since the service routine was left last.
-    noticed: a phrase about the first access by which the firmware notices more of a frame than the instant of its
-        service routine; "" if there was none in the run.
+    routine: the digest of the accesses of the routine.
+    services: the number of times that the routine was entered since the start of the group.
+    entered, left: the ticks at which the routine was last entered and last left.
+    accessed_since: the texts of the accesses of the main program, and of other interrupts, since then.
+    noticed: the first thing by which the firmware can notice more of a frame than the instant of the routine, such as
+        "it sends: ..."; "" if there was none in the run.
     """
 
     def __init__(self) -> None:
@@ -88,10 +89,10 @@ class GroupDigest(RoundDigest):
         self._texts: dict[int, str] = {}
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Return the tag of a topic. Records of frames on lines are left out: those of the host move with the frame."""
+        """See `Listener.tag_of`. Records of frames on lines are left out, because they move with the frame."""
         if kind is Kind.FRAME:
             return UNWANTED
-        RoundDigest.tag_of(self, kind, where, what)  # this call notes the tags of CLOCK_REGISTERS
+        RoundDigest.tag_of(self, kind, where, what)  # called because it notes the tags of CLOCK_REGISTERS
         tag = crc32(f"{kind.value} {where} {what}".encode())
         module, _, register = what.split()[-1].partition(".")
         if kind is Kind.IRQ and what.startswith(SCI):
@@ -150,4 +151,5 @@ class GroupDigest(RoundDigest):
         self.noticed = ""
 
     def _notice(self, why: str) -> None:
+        """Set `noticed`, if nothing was noticed before."""
         self.noticed = self.noticed or why

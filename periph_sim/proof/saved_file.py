@@ -23,8 +23,8 @@ class BadSavedFile(InputError):
 class SavedFile(msgspec.Struct, frozen=True, kw_only=True):
     """The contents of a file of saved results. Each kind of file has a subclass.
 
-    WHAT: the name of the contents, such as "coverage".
-    RENEW: a phrase that says how to renew them.
+    WHAT: the word for the contents, such as "coverage".
+    RENEW: how to make them again, such as "write it again with prove --table --save".
     version: the version of the format.
     dependencies: everything on which the results depend.
     """
@@ -38,7 +38,7 @@ class SavedFile(msgspec.Struct, frozen=True, kw_only=True):
     def read(cls, path: Path) -> Self | None:
         """Return the contents of a file; None if there is no file.
 
-        Raise BadSavedFile if the file cannot be read, has other contents, or is of another version of the format.
+        Raise BadSavedFile if it cannot be read, or has contents of another kind or of another version of the format.
         """
         try:
             return msgspec.json.decode(read_regular(path), type=cls)
@@ -53,11 +53,10 @@ class SavedFile(msgspec.Struct, frozen=True, kw_only=True):
 
     @classmethod
     def current(cls, path: Path, case: Path) -> tuple[Self, list[str]] | None:
-        """Return the contents of a file, with a phrase for each changed dependency; None if there is no file.
+        """Return the contents of a file, and a phrase for each dependency that has changed; None if there is no file.
 
-        The first phrase is about the case if the file belongs to another case file. case: the path of the case.
-
-        Raise BadSavedFile for a file that cannot be read.
+        Without a change, the list of phrases is empty. If the file is a copy of that of another case, the first phrase
+        says so. case: the path of the case. Raise BadSavedFile if the file cannot be read.
         """
         contents = cls.read(path)
         if contents is None:

@@ -16,5 +16,5 @@ def proof_path(case: Path) -> Path:
 
 
 def unfinished_path(case: Path) -> Path:
-    """Return the path of the file with the results of an unfinished table of a case, which need not exist."""
+    """Return the path of the file with the parts of an unfinished proof of a case, which need not exist."""
     return case.parent / "proofs" / f"{case.stem}.unfinished"

@@ -1,10 +1,11 @@
 """Exact values of budgets for many sequences of starts at once, from a closed table, without running the sequences.
 
-closed table: entry --> values of a round, state of rest after it
+closed table: entry (orbit, tick) --> values of its round, place of the rest after it
 seeds --> starts [scenario, round] --for each round, one look-up for all scenarios together--> values [scenario, round]
 
-Each round of each scenario equals a round that was run for the table. So its values are those that `Scene` gives for
-these starts.
+A scenario is a sequence of starts. Each of its rounds is like that of an entry. So its values are those that `Scene`
+gives for these starts. In a case with only frames, "round" means a frame. The glossary in `periph_sim.proof` has the
+terms.
 """
 
 from __future__ import annotations
@@ -27,13 +28,13 @@ class Scenarios:
     """The values of a case's budgets for any sequences of starts, from its closed table.
 
     budgets: the names of the budgets that have values: proven budgets with one value per occurrence.
-    left_out: for each other budget, the reason why it has no values.
-    moved: what starts, "rounds" or "frames".
+    left_out: the reason why a budget has no values, by its name, for each other budget.
+    moved: the kind of the starts: "rounds" or "frames".
     ticks_per_second: the number of ticks per second.
     first: the tick of the first start, counted from the start of the run. If the starts of the case have jitter, the
-        first start is free, and this is its least tick.
+        first start is free, and this is the least tick at which it can be.
     apart: the least distance of two starts, in ticks.
-    most: the number of starts that the case has; None if there is no limit.
+    most: the greatest number of starts of the case; None if there is no limit.
 
     Raise BadCase if the case cannot be read, has no closed table, or fails in a run of its table.
     """
@@ -44,10 +45,12 @@ class Scenarios:
         changes: Sequence[str] = (),
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
-        """case: the path of the case. changes: "key=value" texts. on_progress: as for `TableMaker`."""
+        """case: the path of the case. changes: "key=value" texts. on_progress: called with the fraction done, to 1."""
         covered = CoveredCase(Job(str(case), tuple(changes)))
         self._phases = covered.phases
-        self._worst: dict[str, dict[RestPlace | None, float]] = {}  # None is the key of the first round
+        self._worst: dict[
+            str, dict[RestPlace | None, float]
+        ] = {}  # by budget and entry; the key of the first round is None
         self._without_values: dict[str, str] = {}
         self._differing: dict[str, str] = {}  # budgets with two values in rounds from equal states
         try:
@@ -74,9 +77,9 @@ class Scenarios:
         self._set_arrays(maker)
 
     def starts(self, seeds: Iterable[int], rounds: int) -> NDArray[np.int64]:
-        """Return the starts of the first rounds, or frames, in runs of the case with these seeds, int64[n, rounds].
+        """Return the starts that runs of the case with these seeds have, as int64[seeds, rounds].
 
-        Without jitter, all seeds have the same starts.
+        rounds: the number of starts. Without jitter, all seeds have the same starts.
 
         Raise TypeError for a seed that is not an integer. Raise ValueError if there is no seed, if the case does not
         have that many rounds, or if it has starts that are less than `apart` ticks apart.
@@ -90,12 +93,12 @@ class Scenarios:
         return starts
 
     def values(self, starts: NDArray[np.int64]) -> dict[str, NDArray[np.float64]]:
-        """Return a dictionary from each budget to its worst value in each round, float64[n, rounds].
+        """Return the worst value of each budget in each round, by the name of the budget, as float64[n, rounds].
 
         Values are in the unit of `Verdict.worst`, such as microseconds.
 
-        starts: int64[n, rounds], the starts of n scenarios in ticks from the start of the run. The first start of each
-            is `first`, or not before `first` if it is free. The others are at least `apart` after the one before.
+        starts: int64[n, rounds], the starts of n scenarios in ticks from the start of the run. The first one is at
+            `first`, or also later if it is free. Each further one is at least `apart` after the one before.
 
         Raise ValueError for other starts.
         """
@@ -108,6 +111,7 @@ class Scenarios:
         return {name: values[entries].T for name, values in self._values.items()}
 
     def _check(self, starts: NDArray[np.int64]) -> None:
+        """Raise ValueError if the table does not hold for these starts."""
         if starts.ndim != 2 or not starts.size or starts.dtype != np.int64:
             raise ValueError(f"starts: {starts.dtype} of shape {starts.shape}; expected int64 of shape (n, rounds)")
         is_free, earliest = self._phases.jitter > 0, starts[:, 0].min()
@@ -121,7 +125,7 @@ class Scenarios:
             raise ValueError(f"{what}, the least distance of the table")
 
     def _observe(self, run: FreeRun, begun: Sequence[RestPlace]) -> None:
-        """Keep the worst value of each budget in each round of a run."""
+        """Keep the worst value of each budget in each round of a run. begun: the entries of the rounds."""
         starts = np.array(run.frames or run.rounds)
         places = begun if self._phases.jitter else [None, *begun]
         for limit in run.scene.limits:
@@ -141,13 +145,14 @@ class Scenarios:
                     self._differing.setdefault(name, f"{before} and {value}")
 
     def _set_arrays(self, maker: TableMaker) -> None:
-        """Set the arrays of the entries, by orbit and tick. Behind them is the first round, if it is not free.
+        """Set arrays with an item for each entry, sorted by orbit and tick, and then for the first round, if not free.
 
-        In the orbit after the round of entry e, the round that starts d ticks after it has the entry
+        If a round has entry e, a round that starts d ticks after its start has the entry
 
             _offsets[e] + (_shifts[e] + d) % _periods[e]
 
-        The last item of these three arrays is for the first round; its d counts from the start of the run.
+        These three arrays have one more item, which gives the entry of the first round: e is -1, and d is counted from
+        the start of the run.
         """
         periods = np.array(maker.table.orbits)
         offsets = np.concatenate([[0], np.cumsum(periods)[:-1]])
@@ -167,9 +172,9 @@ class Scenarios:
 
 
 def worst_in_rounds(values: Values, starts: NDArray[np.int64]) -> list[tuple[int, int]]:
-    """Return, for each round with a value, its number and the value nearest to a limit, or farthest beyond it.
+    """Return, for each round that has a value, its number and its worst value.
 
-    starts: the starts of the rounds, in ticks from the start of the run. Earlier values belong to the first round.
+    starts: the starts of the rounds, in ticks from the start of the run. Earlier values count for the first round.
     """
     rounds = np.maximum(np.searchsorted(starts, values.at, "right") - 1, 0)
     slack = np.full(len(values.values), np.iinfo(np.int64).max)

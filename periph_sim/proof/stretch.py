@@ -1,10 +1,10 @@
-"""Runs of a case with given phases, one phase in each period.
+"""The case of a coverage or proof, and its runs with given phases or starts.
 
     phases 100, 101, 102 --[inputs]--> Scene --run--> Outcome: verdicts, and the names of what failed
 
 Such a run is an ordinary run of the case, judged as `periph-sim run` judges it. Some limits of the budgets are left
 out, because they are meant for the whole schedule of the case: limits of percentiles, limits of shares of time, and
-limits of counts that are above 0.
+limits of counts that are above 0. The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -47,11 +47,12 @@ RUN_ERRORS = (FirmwareError, SimulationStuck, NoSuchAddress)  # errors of a run 
 
 
 class Job(Struct, frozen=True):
-    """The case of a coverage, in a form that can be sent to another process.
+    """The case of a coverage or proof, in a form that can be sent to another process.
 
     file: the path of the case as the user gave it, for messages. A relative path refers to the current folder.
-    changes: changes of keys of the case, as in the option `--set`.
-    start_up, rounds: as for `Phases`.
+    changes: the "key=value" texts that change the case, as in the option `--set`.
+    start_up: True to move the first start through the start-up.
+    rounds: the number of moved starts in a run with one phase alone.
     """
 
     file: str
@@ -65,7 +66,7 @@ class Outcome(Struct, frozen=True):
 
     verdicts: the verdicts of the covered budgets; empty if the run was ended by an error.
     failures: the names of the broken budgets, and STUCK or ENDED if the run failed in this way.
-    reasons: for the name of each failure that is not a broken budget, a sentence about it.
+    reasons: a sentence about STUCK or ENDED, by this name.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -74,14 +75,14 @@ class Outcome(Struct, frozen=True):
 
 
 class CoveredCase:
-    """A case without the budgets that cannot be judged at single phases.
+    """A case without the budgets that cannot be judged at single phases. It makes scenes and runs of this case.
 
     phases: the phases of the case.
-    left_out: for each budget or input that is not covered, the reason.
-    not_whole: for each budget that is left out, or of which the limits of percentiles are left out, the reason.
-    unknowns: the options on which these runs depend, as in `Result.unknowns`.
+    left_out: the reason for each budget, limit of a percentile or input that is not covered, by its name.
+    not_whole: the reason for each budget that is left out wholly or in part, by its name.
+    unknowns: the names of the options whose answers the runs have used.
 
-    Raise BadCase if the case has no free phase, or no budget is left.
+    Raise BadCase if the case has no free start, or if no budget is left.
     """
 
     def __init__(self, job: Job) -> None:
@@ -107,6 +108,7 @@ class CoveredCase:
 
     @property
     def case(self) -> Case:
+        """The case with the covered budgets only."""
         return self._plan.case
 
     def time(self, tick: int) -> tuple[float, str]:
@@ -115,7 +117,7 @@ class CoveredCase:
         return float(ticks.timebase.seconds(tick - ticks.start)), ticks.timebase.show(tick - ticks.start)
 
     def with_ramp(self) -> CoveredCase:
-        """Return this case with frames of a ramp, whose data change from frame to frame."""
+        """Return this case with other data: those of a ramp, which change from frame to frame."""
         return self.with_host("motion", {})
 
     def with_host(self, key: str, value: object) -> CoveredCase:
@@ -149,7 +151,8 @@ class CoveredCase:
     ) -> Scene:
         """Return a scene, not yet run, with these starts and this duration in seconds.
 
-        subscribe, keep_values: as for `Scene`.
+        subscribe: called with the recorder of the scene, to subscribe to records; None for no call.
+        keep_values: True to keep all values of the budgets.
         """
         costs = {} if self.case.inputs is None else self.case.inputs.costs
         inputs = inputs.model_copy(update={"costs": costs})
@@ -157,11 +160,11 @@ class CoveredCase:
         return Scene(ScenePlan(case, self._plan), subscribe, keep_values=keep_values)
 
     def free_scene(self, listener: Listener, keep_values: bool, on_request: RecordCallback | None = None) -> Scene:
-        """Return a scene, not yet run, in which no start that can move is scheduled.
+        """Return a scene, not yet run, in which no round and no frame starts until the caller starts it.
 
         listener: receives the records of accesses, interrupts, and events and frames on lines.
-        keep_values: as for `Scene`.
-        on_request: receives the records of the PIE's request flags.
+        keep_values: True to keep all values of the budgets.
+        on_request: receives the records of the PIE's request flags; None for no receiver.
         """
         frames, rounds = (None if table is None else () for table in (self.case.host, self.case.controller))
         flags = [f"{unit}.PIE.{register.name}" for unit in self.case.unit for register in PIEIFR]
@@ -175,10 +178,11 @@ class CoveredCase:
         return self.scene_of(inputs, self.case.duration, self.case.seed, subscribe, keep_values)
 
     def looks_further(self) -> dict[str, list[str]]:
-        """Return a dictionary from each covered budget to what its values depend on beside records of one round.
+        """Return what the values of each covered budget depend on beside the records of one round.
 
-        The texts are in alphabetical order. Without a host, bytes are compared with the values that the request states,
-        so `wrong bytes` depends on the transfer only.
+        The result has a sorted list of texts for the name of each budget, such as ["the start of the next round"]; an
+        empty one if the values follow from one round. Without a host, bytes are compared with those that the request
+        states, so `wrong bytes` depends on the transfer only.
         """
         found: dict[str, list[str]] = {}
         for plan in self._plan.limits:
@@ -198,7 +202,7 @@ class CoveredCase:
         return found
 
     def events(self) -> dict[str, list[Matcher] | None]:
-        """Return a dictionary from each covered budget to its events; None if it does not consist of events."""
+        """Return the events of each covered budget, by its name; None if its values do not follow from events alone."""
         found: dict[str, list[Matcher] | None] = {}
         for plan in self._plan.limits:
             measures = [part.make() for part in (plan, *plan.joined)]
@@ -208,7 +212,7 @@ class CoveredCase:
         return found
 
     def not_before(self) -> dict[str, int]:
-        """Return, for each covered budget, the tick from which it is judged, counted from the start of the run."""
+        """Return, by budget, the tick of the run from which its values count, such as {"latency": 15000}."""
         start = self._plan.ticks.start
         return {plan.budget.name: max(0, plan.not_before - start) for plan in self._plan.limits}
 
@@ -218,7 +222,7 @@ class CoveredCase:
         """Run the case with these phases and return the outcome.
 
         seed: the seed of all random values.
-        subscribe: as for `Scene`.
+        subscribe: called with the recorder of the scene, to subscribe to records; None for no call.
         before: the run ends before this tick; None for the usual end.
         """
         inputs, duration = self.phases.inputs(phases)
@@ -243,7 +247,7 @@ class CoveredCase:
 
 
 def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:
-    """Return the free inputs of a case that are not covered, as a dictionary from the name of each to the reason."""
+    """Return the reason for each key of the case that has no effect on the moved starts, or is drawn, by its name."""
     found: dict[str, str] = {}
     if phases.jitter:
         found["host.jitter" if phases.moved == "frames" else "controller.jitter"] = "each start comes at its phase"

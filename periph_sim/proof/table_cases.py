@@ -1,4 +1,7 @@
-"""Cases that can have a closed table: one unit with an image, and nothing whose state cannot be compared."""
+"""Check whether a case can have a closed table: it needs one unit with an image, and only parts with comparable states.
+
+The glossary in `periph_sim.proof` has the terms.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,9 @@ from .normal_state import LONG_PAST
 
 
 def check(case: Case) -> tuple[str, ...]:
-    """Return the names of attributes of the scene that need not be compared.
+    """Return the ignored attributes for a case with only rounds or only frames.
 
-    Raise NotClosed, with all reasons, if there can be no table. The case must not have both rounds and frames.
+    Raise NotClosed, with all reasons, if the case can have no closed table, or has both rounds and frames.
     """
     if _is_pair(case):
         raise NotClosed("; ".join(["rounds and frames start independently of each other", *_reasons(case)]))
@@ -24,7 +27,7 @@ def check(case: Case) -> tuple[str, ...]:
 
 
 def check_pair(case: Case) -> tuple[str, ...]:
-    """Do the same as `check`, also for a case in which both rounds and frames start."""
+    """Return the ignored attributes. Raise NotClosed, with all reasons, if the case can have no closed table."""
     reasons = list(_reasons(case))
     if reasons:
         raise NotClosed("; ".join(reasons))
@@ -32,6 +35,7 @@ def check_pair(case: Case) -> tuple[str, ...]:
 
 
 def _is_pair(case: Case) -> bool:
+    """Return True if the case has both rounds and frames."""
     return case.controller is not None and case.host is not None
 
 
@@ -66,7 +70,7 @@ def _reasons(case: Case) -> Iterator[str]:
 def _longest(case: Case) -> dict[str, Fraction]:
     """Return the durations, in seconds, that decide how long a round or frame has effects after its end, by name.
 
-    A controller waits until the bus has been free for a part of a bit. A burst of frames ends after two characters.
+    A controller waits until the bus was free for a part of a bit. A frame counts as over after two silent characters.
     """
     found: dict[str, Fraction] = {}
     if case.host is not None:

@@ -1,6 +1,8 @@
 """A proof with closed tables: one for the case as it is, or one for each clock of a controller within a range.
 
 case --clock_errors--> changed cases --TableMaker--> Part, Part, ... --> worst values, words, least distance of starts
+
+Cases with rounds and frames have a PairMaker instead. The glossary in `periph_sim.proof` has the terms.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ HELD = "held"  # the word for a budget that no run broke, and that the tables do
 class Part(NamedTuple):
     """One table of a proof.
 
-    changes: the changes of keys, as "key=value", that its case has in addition to those of the proof.
+    covered: its case. changes: the "key=value" texts by which it differs from the case of the proof.
     """
 
     covered: CoveredCase
@@ -42,13 +44,13 @@ class Part(NamedTuple):
 
 
 class WorstRun(Struct, frozen=True):
-    """The worst value of a budget, and the run in which it was seen. All ticks are from the start of the run.
+    """The worst value of a budget, and the run that had it. Ticks are counted from the start of the run.
 
-    worst: the worst value of all starts.
-    changes: the "key=value" texts of the run: its clock, if the proof is for a range of clocks.
-    starts: the ticks of the starts up to the value; only those of frames if both rounds and frames are free.
-    until: the tick at which the run ends, before a later start.
-    rounds: if both rounds and frames are free, the ticks of the starts of rounds; else None.
+    worst: the worst value.
+    changes: the "key=value" texts that the run needs, for the clock, if the proof is for a range of clocks.
+    starts: the ticks of the starts before the value; in a case with rounds and frames, those of frames.
+    until: the tick at which the run ends, which is before the next start.
+    rounds: in a case with rounds and frames, the ticks of the starts of rounds; else None.
     """
 
     worst: Verdict
@@ -65,14 +67,14 @@ class WorstRun(Struct, frozen=True):
 
 
 class WorstInProof(NamedTuple):
-    """The worst value of a budget in all tables, the table that has it, and the number of the run in this table."""
+    """The worst value of a budget in all tables, the part that has it, and the number of the run in its table."""
 
     part: Part
     number: int
     verdict: Verdict
 
     def run(self) -> WorstRun:
-        """Return the run up to the worst value. If the worst value has no instant, return the whole run."""
+        """Return the run up to the start after the worst value, or the whole run if the value has no instant."""
         table, per_second = self.part.table, self.part.covered.phases.ticks_per_second
         starts, rounds = table.starts[self.number], table.rounds[self.number] if table.rounds else None
         both = sorted([*starts, *(rounds or ())])
@@ -86,17 +88,18 @@ class WorstInProof(NamedTuple):
 
 
 class TableProof(NamedTuple):
-    """The tables of a case. Only the last one can have failed.
+    """The closed tables of a case. If a table has failed, it is the last one, and nothing is proven.
 
     covered: the case.
-    within: the greatest difference from `controller.ppm` that the tables cover, in ppm; None for the clock of the case
-        only.
-    parts: the tables.
-    rates: the greatest difference from the bit rate of the host that the table covers, in ppm; None for the rate of the
-        case only.
-    any_tick: True if the proof holds for rounds that start at any tick, False if it holds for rounds that start with a
-        cycle of the CPU. It only has a meaning if both rounds and frames are free.
-    data_use: as `other_data.data_use`; None for a case without a host, or with a table that has failed.
+    within: the tables hold for all clocks of the controller that differ from that of the case by at most this, in ppm;
+        None for the clock of the case only.
+    parts: the tables, one for each clock.
+    rates: the tables hold for all bit rates of the host that differ from that of the case by at most this, in ppm; None
+        for the rate of the case only.
+    any_tick: True if rounds can start at any tick; False if they start with a cycle. It only matters for a case with
+        rounds and frames.
+    data_use: why the tables hold for the data of the case only; "" if they hold for any data; None if there is no
+        host, or a table has failed.
     """
 
     covered: CoveredCase
@@ -108,11 +111,12 @@ class TableProof(NamedTuple):
 
     @property
     def has_failed(self) -> bool:
+        """True if a run of the last table broke a budget or failed in another way."""
         return self.parts[-1].table.has_failed
 
     @property
     def moved(self) -> str:
-        """The word for the free starts: "rounds", "frames" or BOTH."""
+        """The kinds of the free starts: "rounds", "frames" or "rounds and frames"."""
         return BOTH if self.covered.phases.is_relative else self.covered.phases.moved
 
     @property
@@ -122,7 +126,7 @@ class TableProof(NamedTuple):
 
     @property
     def entry_count(self) -> int:
-        """The number of entries of all tables, but at least the number of entries that were run."""
+        """The number of entries of all tables. Those for which other groups of their cell stand are not run."""
         return max(self.entries, sum(sum(part.table.orbits) for part in self.parts))
 
     @property
@@ -137,9 +141,9 @@ class TableProof(NamedTuple):
 
     @property
     def first(self) -> int:
-        """The tick of the case's first start or, if `rests_first` is True, of the first rest. 0 is the run's start.
+        """The tick of the first start, counted from the start of the run; with `rests_first`, that of the first rest.
 
-        If `rests_first` is True, the proof holds for a first start at any tick after the first rest.
+        With `rests_first`, the proof holds for a first start at any later tick.
         """
         if not self.rests_first:
             return self.covered.phases.first_start
@@ -151,7 +155,7 @@ class TableProof(NamedTuple):
         return self.parts[0].table.rests_first
 
     def worst(self) -> dict[str, WorstInProof]:
-        """Return a dictionary from each budget to its worst value in all tables."""
+        """Return the worst value of each budget in all tables, by its name."""
         found: dict[str, WorstInProof] = {}
         for part in self.parts:
             for number, outcome in enumerate(part.table.outcomes):
@@ -161,20 +165,20 @@ class TableProof(NamedTuple):
         return found
 
     def not_proven(self) -> dict[str, str]:
-        """Return the budgets that the tables do not prove, as a dictionary from the name of each to the reason."""
+        """Return the reason for each budget that the tables do not prove, such as {"slack": "its values ..."}."""
         found: dict[str, str] = {}
         for part in self.parts:
             found = part.table.not_proven(part.covered, self.apart, self.within or Fraction(0)) | found
         return found
 
     def following_data(self) -> list[str]:
-        """Return the proven budgets whose values can differ if the data differ, although all times are equal."""
+        """Return the proven budgets that hold for the data of the case only, because their events are made of data."""
         if self.data_use is None:
             return []
         return follow_data(self.covered, [name for name, word in self.words().items() if word == PROVEN])
 
     def words(self) -> dict[str, str]:
-        """Return a dictionary from each covered budget to BROKEN, NOT_JUDGED, PROVEN or HELD."""
+        """Return the word for each covered budget, by its name: BROKEN, NOT_JUDGED, PROVEN or HELD."""
         worst, not_proven, words = self.worst(), self.not_proven(), {}
         for budget in self.covered.case.budget:
             found = worst.get(budget.name)
@@ -196,10 +200,11 @@ def prove(
 ) -> TableProof:
     """Make the tables of a case, up to the first one that fails.
 
-    within, rates, any_tick: as in `TableProof`.
-    on_progress: called with the fraction of the known entries that were run, 0 to 1.
+    within, rates: the ranges of clocks of the controller and of bit rates of the host, in ppm; None for no range.
+    any_tick: True to prove rounds that start at any tick.
+    on_progress: called with the fraction of the entries found so far that were run, 0 to 1.
     on_estimate: called with the number of tables, the number of entries in each, and the estimated CPU time in seconds.
-    call_all: makes the calls that make tables. The first of several tables is always made in this process.
+    call_all: makes calls, possibly in other processes: of tables after the first one, or of groups.
 
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
@@ -238,7 +243,10 @@ def _tables(
     estimate: Callable[[int, float], None],
     call_all: CallAll,
 ) -> Iterator[tuple[CoveredCase, StartTable]]:
-    """Yield the case and the table of each job. made: the proof, without tables. For the others, see `prove`."""
+    """Yield the case and the table of each job, for a case with only rounds or only frames.
+
+    made: the proof, without tables. jobs: the case, for each clock. advance, estimate, call_all: see `prove`.
+    """
     least_again = -(-LEAST_REVISITED // len(jobs))
     first = made.covered if made.within is None else CoveredCase(jobs[0])
     rests_first = None if made.within is None else True
@@ -254,7 +262,7 @@ def _pair_tables(
     estimate: Callable[[int, float], None],
     call_all: CallAll,
 ) -> Iterator[tuple[CoveredCase, StartTable]]:
-    """Do the same as `_tables` for a case whose rounds and frames are free."""
+    """Do the same as `_tables` for a case with rounds and frames."""
     covered = within_round(made.covered)
     ignored, reason = check_pair(covered.case), covered.phases.not_exact(made.any_tick)
     if reason:
@@ -271,12 +279,15 @@ def _pair_tables(
 
 
 def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:
-    """Return the table of a case. rests_first, least_again: as for `TableMaker`. Another process can call this."""
+    """Make the table of a case. Worker processes call this.
+
+    rests_first: True to make the first start free, too. least_again: the least number of entries that are run again.
+    """
     return TableMaker(CoveredCase(job), rests_first=rests_first, least_again=least_again).make()
 
 
 def _with_clock(covered: CoveredCase, job: Job, error: Fraction) -> Job:
-    """Return the case with another error of the controller's clock. If it has a host, the first round does not move."""
+    """Return the job with another error of the controller's clock, in ppm. If it has a host, its first round stays."""
     changes = [f"controller.ppm={_decimal(error)}"]
     if covered.phases.is_relative:
         ticks = covered.phases.first_starts()["rounds"]

@@ -21,7 +21,7 @@ from msgspec import structs
 from periph_sim import form
 from periph_sim.core.chip import NEVER
 from periph_sim.proof import pair_table, table_proof
-from periph_sim.proof.closed_table import StartTable
+from periph_sim.proof.closed_table import REVISITED, StartTable
 from periph_sim.proof.frame_cells import find_cells
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
@@ -405,7 +405,7 @@ def test_an_orbit_that_is_found_while_another_is_closed_is_closed_too(tmp_path: 
     of_orbits = [{group for orbit, group in maker.runs if orbit == number} for number in (0, 1)]
     assert of_orbits[0] == of_orbits[1] and table.orbits == [1060, 1060]
     assert table.entries == len(maker.runs) == 230
-    assert table.again == 230 // pair_table.REVISITED
+    assert table.again == 230 // REVISITED
 
 
 def test_groups_at_the_ends_of_cells_that_differ_are_in_no_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

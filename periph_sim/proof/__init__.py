@@ -26,6 +26,7 @@ phase: the number of cycles from a reference time to a moved start. For a frame 
 run with one phase alone: a run in which all moved starts have the same phase. Normally, it has 41 of them.
 to fail: a run fails if it breaks a budget, if firmware hangs, or if an error ends it. A phase fails if the run with
     this phase alone fails; otherwise, it *holds*.
+drifting failure: a failure of a run with increasing phases that no run with one phase alone repeats.
 window: a range of phases that fail in the same way. Its first and last phase are always run, the others in part.
 part: up to 512 phases that are run by one call, possibly in another process.
 

@@ -1,4 +1,7 @@
-"""`periph-sim prove CASE`: run a case at many phases, and find the ranges of phases in which budgets break."""
+"""`periph-sim prove CASE`: run a case at many phases, and find the ranges of phases in which budgets break.
+
+The glossary in `periph_sim.proof` has the terms.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +25,8 @@ if TYPE_CHECKING:
     from ..reports.coverage import Coverage
 
 MOST_PPM = 10_000  # highest value of --ppm
-STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
-# The parameters that are allowed with --table, and with --questions.
+STEP = 97  # the default of --step in cycles; a prime number that divides no usual clock divider or length of a wait
+# The parameters of `prove` that are allowed with --table, and those that are allowed with --questions.
 WITH_TABLE = ("case", "changes", "folder", "table", "ppm", "rates", "any_tick", "save", "questions", "as_json")
 WITH_QUESTIONS = ("case", "changes", "step", "only", "rounds", "start_up", "table", "questions", "jobs", "as_json")
 
@@ -197,7 +200,7 @@ def prove(
 
 
 def _ppm_given(option: str, text: str) -> Fraction:
-    """Parse the value of an option in ppm. Raise ClickException if it is no number from 0 to MOST_PPM."""
+    """Return the value of an option in ppm. Raise ClickException if it is not a number from 0 to MOST_PPM."""
     from ...core.exact_number import exact_number
 
     try:
@@ -210,9 +213,9 @@ def _ppm_given(option: str, text: str) -> Fraction:
 
 
 def _refuse_others(option: str, effective: Sequence[str]) -> None:
-    """Raise UsageError if the command line has a parameter that has no effect with `option`.
+    """Raise UsageError if the command line has a parameter that is not allowed together with `option`.
 
-    effective: the names of the parameters that have an effect with `option`.
+    effective: the names of the allowed parameters.
     """
     for name, other in given_options().items():
         if name not in effective:
@@ -236,11 +239,10 @@ def _draw(found: Coverage, certain: Sequence[CertainFailure], place: Path) -> li
 
 
 def _check_writable(path: Path) -> None:
-    """Raise ClickException if the folder of a saved result is not writable, or cannot be created.
+    """Raise ClickException if the folder of a result to save is not writable, or cannot be created.
 
-    path: the path of the result.
-
-    If the folder of the case does not exist, do nothing, because the case cannot be read.
+    path: the path of the result. If the folder of the case does not exist, nothing is raised here: reading the case
+        then fails with a better message.
     """
     folder = path.parent
     if os.path.lexists(folder) and not folder.is_dir():
@@ -251,6 +253,7 @@ def _check_writable(path: Path) -> None:
 
 
 def _between(text: str) -> tuple[Fraction, Fraction]:
+    """Return the times of an option such as "1.5 ms to 1.6 ms", in seconds."""
     first, to, last = text.partition(" to ")
     if not to:
         raise click.ClickException(f"--phases {text!r}: expected two times, for instance '1.5 ms to 1.6 ms'")
@@ -258,6 +261,7 @@ def _between(text: str) -> tuple[Fraction, Fraction]:
 
 
 def _announcement(found: Coverage) -> str:
+    """Return a line such as "slave: 929 phases to run, about 3 s of CPU if nothing breaks"."""
     seconds = max(1, round(found.seconds * found.missing / len(found.chosen)))
     done = f"continued after {found.run_count:,} phases; " if found.finished else ""
     missing = f"{found.missing:,} phase{'s' * (found.missing != 1)}"
@@ -316,9 +320,9 @@ def _budget(worst: Worst | None, word: str) -> dict[str, object]:
 
 
 def _write_witnesses(found: Coverage, case: Path, changes: Sequence[str], folder: Path) -> tuple[list[Path], str]:
-    """Write a witness, a case that shows the worst value, for each judged budget.
+    """Write a witness for each judged budget: a case that shows its worst value.
 
-    Return the files and, if a file cannot be written, the reason why the others are missing; else "".
+    Return the written files, and the reason why others are missing; "" if all could be written.
     """
     from ...traces.capture.capture import BadCapture
     from ..reports.witness import witness_file

@@ -1,4 +1,7 @@
-"""`periph-sim prove CASE --table`: prove budgets for all start times with a table of states, and show the result."""
+"""`periph-sim prove CASE --table`: prove budgets for all starts with closed tables, and show the result.
+
+The glossary in `periph_sim.proof` has the terms. Users read "start" for an entry, and "meeting" for a group.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +51,7 @@ def prove_with_table(
 
     within, rates: the values of --ppm and --host-ppm; None for an option that is not given. any_tick: --any-tick.
     jobs: the number of worker processes; None for the number of cores. It has an effect if there are several tables,
-        or if both rounds and frames start.
+        or if the case has rounds and frames.
     folder: the folder for the witnesses, which are cases that show the worst values; None to write none.
     save: True to write the proof file, if a budget is proven.
 
@@ -57,7 +60,7 @@ def prove_with_table(
     case = Path(job.file)
     with running_user_code():
         note_inputs([case], job.changes, written=[proof_path(case), unfinished_path(case)] if save else [])
-        kept = KeptCalls(case) if save else None  # its file is no dependency
+        kept = KeptCalls(case) if save else None  # made first, so that its file does not count as a dependency
         with files_read() as read:
             loaded = load(case, list(job.changes))
             if jobs is not None and within is None and (loaded.host is None or loaded.controller is None):
@@ -98,9 +101,10 @@ def _proof(
     kept: KeptCalls | None,
     depends: Callable[[], Dependencies | None],
 ) -> TableProof:
-    """Return the tables of a case. Raise ClickException if there are none, or if they cannot be completed.
+    """Return the tables of a case. Raise ClickException if it can have none, or if they cannot be completed.
 
-    kept: keeps the results of finished calls; None to keep none. depends: as for `KeptCalls.call_all`.
+    kept: keeps the results of finished calls in a file; None to keep none.
+    depends: returns the dependencies of these results; None if one of them has changed meanwhile.
     """
     name = load(Path(job.file), list(job.changes)).name
 
@@ -221,7 +225,7 @@ def _exact(ticks: int, per_second: int) -> str:
 
 
 def _assumed(made: TableProof) -> str:
-    """Return the inputs for which the proof holds only as they are in the case."""
+    """Return the inputs that must be as in the case, such as "clocks, rates and data"."""
     if made.rates is not None:
         inputs = [] if made.within is not None else ["the clock of the controller"]
     else:
@@ -260,7 +264,7 @@ def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
 
 
 def _left_out(covered: CoveredCase) -> dict[str, str]:
-    """Return the budgets and inputs of the case that the table does not cover, with the reasons.
+    """Return the reason for each budget and input of the case that the table does not cover, by its name.
 
     Jitter is covered, because the table has starts at all times.
     """

@@ -1,4 +1,7 @@
-"""Result of `periph-sim prove` as text: a table of the budgets, and the windows of phases in which they break."""
+"""Result of `periph-sim prove` as text: a table of the budgets, and the windows of phases in which they break.
+
+The glossary in `periph_sim.proof` has the terms.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +18,14 @@ from ..reports.coverage import Coverage
 from .command_frame import print_table, say
 
 HELD = "held"  # the word for a budget that no run broke
-MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
+MOST_LISTED = 4  # maximum number of windows of a budget, and of drifting failures, that are listed; --json has all
 
 
 def words_of(found: Coverage) -> dict[str, str]:
-    """Return a dictionary from the name of each covered budget to BROKEN, NOT_JUDGED or HELD."""
+    """Return the word for each covered budget, by its name: BROKEN, NOT_JUDGED or HELD."""
     broken = {window.name for window in found.windows}
     broken |= {name for one in found.found.drifting for name in one.names}
-    if found.stopped:  # windows are missing
+    if found.stopped:  # after a stop, windows can be missing
         broken |= {name for failures in found.found.failed.values() for name in failures}
     words = {}
     for budget in found.case.case.budget:
@@ -34,6 +37,7 @@ def words_of(found: Coverage) -> dict[str, str]:
 
 
 def show(found: Coverage, certain: Sequence[CertainFailure], files: Sequence[Path]) -> None:
+    """Print a coverage. certain: what is certain at the ends of windows. files: the written files."""
     phases = found.case.phases
     words = words_of(found)
     numbers = Counter(words.values())
@@ -61,7 +65,7 @@ def _cells(found: Coverage, worst: Worst) -> tuple[str, str, str]:
 
 def _lines(found: Coverage, certain: Sequence[CertainFailure]) -> list[str]:
     phases, step, lines = found.case.phases, found.choice.step, list[str]()
-    said: dict[str, str] = {}  # maps a text about a certain failure to the name of the failure
+    said: dict[str, str] = {}  # the name of the first failure with a text, by the text
     moved = phases.moved.removesuffix("s")
     for name in dict.fromkeys(window.name for window in found.windows):
         windows = [window for window in found.windows if window.name == name]
@@ -96,7 +100,7 @@ def _lines(found: Coverage, certain: Sequence[CertainFailure]) -> list[str]:
 
 
 def _held_in(found: Coverage) -> str:
-    """Return a phrase that says in how many runs or rounds of each phase the budgets were judged."""
+    """Return what "held" means for a phase, such as "in one run of each phase"."""
     phases, rounds = found.case.phases, found.choice.rounds
     if phases.moved == "sends":
         return "in one run of each phase"
@@ -106,7 +110,7 @@ def _held_in(found: Coverage) -> str:
 
 
 def _width(found: Coverage, window: Window) -> int:
-    """Return the number of phases of a window, which may continue from the last phase to the first."""
+    """Return the number of phases of a window, also of one that continues from the last phase to phase 0."""
     beyond_end = found.case.phases.count if window.first > window.last else 0
     return window.last - window.first + beyond_end + 1
 

@@ -3,10 +3,8 @@
     chosen phases --parts--> worker processes --> results, in the order of the phases --> windows, worst values
                                                   '--saved--> coverage file --continue--> the parts that are missing
 
-A phase is the time, in cycles, from a reference point to the start of a frame, round or send. A window is a range of
-phases at which the same budget is broken, or the firmware fails.
-
-The result does not depend on the number of processes, because the parts do not depend on it.
+The parts do not depend on the number of processes, so neither does the result. The glossary in `periph_sim.proof` has
+the terms.
 """
 
 from __future__ import annotations
@@ -41,13 +39,14 @@ SAVED_EVERY = 10.0  # minimum number of seconds between two writes of the covera
 class Coverage:
     """A coverage and its results so far.
 
+    job: the case and its changes, in a form that can be sent to another process. case: the case.
     chosen: the phases to run, in ascending order.
     choice: how the phases were chosen.
     depends: the files, packages and versions on which the results depend.
     seconds: the estimated CPU time of all runs, if nothing fails.
     found: the results of the finished parts.
     finished: the number of finished parts.
-    windows: the windows at which budgets are broken, or the firmware fails.
+    windows: the windows. They are set after all parts are finished.
     is_complete: True if all phases were run and all windows were found.
     stopped: the reason why phases, windows or events at their ends are missing; "" if nothing is missing.
     """
@@ -71,11 +70,12 @@ class Coverage:
 
     @property
     def missing(self) -> int:
-        """The number of chosen phases in the unfinished parts. A part is a list of up to PART chosen phases."""
+        """The number of chosen phases in the unfinished parts."""
         return sum(map(len, self.parts[self.finished :]))
 
     @property
     def parts(self) -> list[list[int]]:
+        """The chosen phases, in lists of up to PART phases."""
         return list(parts_of(self.chosen, PART))
 
     def saved(self) -> CoverageFile:
@@ -94,9 +94,9 @@ class Coverage:
         )
 
     def continue_from(self, saved: CoverageFile) -> bool:
-        """Continue from a coverage file: take its results, and return True.
+        """Take the results of a coverage file, to continue from there, and return True.
 
-        If its phases or its dependencies differ from those of this coverage, change nothing, and return False.
+        If the file has other phases or dependencies than this coverage, change nothing, and return False.
         """
         if saved.choice != self.choice or saved.dependencies != self.depends:
             return False
@@ -106,7 +106,7 @@ class Coverage:
 
     @property
     def is_whole(self) -> bool:
-        """True if the phases were chosen from all phases of a period (see `choose`)."""
+        """True if the phases were chosen from a whole period, without the option `--phases`."""
         return self.choice.bounds == (0, self.choice.count - 1)
 
 
@@ -132,6 +132,7 @@ def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Cover
 
 
 def _estimated_time(case: CoveredCase, chosen: Sequence[int]) -> float:
+    """Return the CPU time for these phases, in seconds, estimated from a run of the first TRIED of them."""
     tried = chosen[: 1 if case.phases.is_one_a_run else TRIED]
     case.run(tried[:1], case.case.seed)  # not timed, because the first run also imports modules
     began = process_time()
@@ -146,10 +147,10 @@ def run_coverage(
     save_to: Path | None = None,
     cluster: ClusterExecutor | None = None,
 ) -> None:
-    """Run the parts that are not finished, and add their results.
+    """Run the parts that are not finished, add their results, and find the windows.
 
-    After Ctrl-C, or if a worker process dies or the cluster is lost, the coverage contains the results of the
-    finished parts, and `stopped` contains the reason.
+    After Ctrl-C, or if a worker process dies or the cluster is lost, the coverage has the results of the finished
+    parts, and `stopped` has the reason.
 
     jobs: number of worker processes.
     save_to: the coverage file, which is written every SAVED_EVERY seconds and at the end; None for no file.
@@ -193,6 +194,7 @@ def save(coverage: Coverage, path: Path) -> None:
 
 
 def _has_complete_coverage(path: Path) -> bool:
+    """Return True if a file is a complete coverage."""
     try:
         there = CoverageFile.read(path)
     except BadSavedFile:
@@ -203,7 +205,7 @@ def _has_complete_coverage(path: Path) -> bool:
 def _results(
     coverage: Coverage, parts: Sequence[list[int]], jobs: int, cluster: ClusterExecutor | None
 ) -> Iterator[Covered]:
-    """Yield the results of the parts in order. Each part has its own seed, so that it draws other random values."""
+    """Run parts, and yield their results in order. Each part has its own seed, and so other random values."""
     calls = [(coverage.job, part, seed) for seed, part in enumerate(parts, coverage.case.case.seed + coverage.finished)]
     if jobs == 1 and cluster is None:
         yield from (cover_part(*call) for call in calls)
@@ -213,9 +215,10 @@ def _results(
 
 
 def _finish(coverage: Coverage) -> None:
-    """Find the ends of the windows. Then look for shorter runs that have the same worst values.
+    """Find the windows. Then run the phase of each worst value alone, if the value is from a run of several phases.
 
-    For each worst value that has an instant and was found in a run of several phases, its phase is run alone.
+    If such a run has the same worst value, it replaces the longer run in the results. Values without an instant are
+    skipped, because their phase is not known.
     """
     if not coverage.found.held and not coverage.found.failed:
         return

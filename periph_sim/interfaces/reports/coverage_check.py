@@ -1,4 +1,4 @@
-"""Check of a coverage file: the runs with its worst values are made again, and the values are compared.
+"""Check of a coverage file: the runs with its worst values are repeated, and the values are compared.
 
     coverage file --phases, seed--> runs --> values now --compared with the saved ones--> state, findings
 
@@ -35,13 +35,16 @@ RENEW = "prove --save renews it"
 class CoverageCheck:
     """The result of checking a coverage file.
 
-    state: "unreadable" if the file is no coverage or was removed; "not run" if the check was stopped before its runs;
-        "changed" if values or phases differ from those in the file, or if the runs cannot be made. If nothing differs,
-        "incomplete" if phases are missing in the file, "out of date" if the case or its files have changed, otherwise
-        "as saved".
-    report: what the file says about its case.
-    findings: for each difference, the name of the budget, or None for the whole case, and a sentence. Budgets that are
-        broken now and runs that do not end come first.
+    state: the first of these that applies:
+        "unreadable": the file is no coverage, or was removed
+        "not run": the check was stopped before its runs
+        "changed": values or phases differ from those in the file, or the runs cannot be made
+        "incomplete": phases are missing in the file
+        "out of date": the case or its files have changed
+        "as saved": none of these
+    report: the summary of the file.
+    findings: the differences as pairs of a name and a sentence. The name is that of the budget, or None for the whole
+        case. First come the findings about the whole case and about budgets that are broken now.
     """
 
     file: Path
@@ -53,7 +56,7 @@ class CoverageCheck:
 def without_runs(file: Path, state: State, text: str) -> CoverageCheck:
     """Return the result for a file whose runs cannot be made.
 
-    text: the reason as a sentence. It is a finding unless the state is "not run".
+    text: the reason as a sentence. It becomes a finding, except for the state "not run".
     """
     findings = () if state == "not run" else ((None, text),)
     return CoverageCheck(file, state, PhasesReport(text, "", {}), findings)
@@ -65,7 +68,7 @@ def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | T
     Worker processes can call this function.
 
     changes: the "key=value" texts with which the case is read.
-    tolerance: the largest allowed difference of times, as for `check`.
+    tolerance: the largest allowed difference of times; a number is in SYSCLKOUT cycles of the case's first unit.
     """
     path = coverage_path(case)
     try:
@@ -114,7 +117,7 @@ def _other_phases(file: CoverageFile, covered: CoveredCase) -> str:
 def _findings(
     file: CoverageFile, covered: CoveredCase, path: Path, tolerance: int | Tolerance
 ) -> Iterable[tuple[str | None, str]]:
-    """Yield the findings. Budgets whose worst values occurred in the same run share one repeated run."""
+    """Repeat the runs, and yield the findings. A run that has the worst values of several budgets is repeated once."""
     runs: dict[tuple[tuple[int, ...], int], list[Verdict]] = {}
     for worst in file.found.worst.values():
         runs.setdefault((worst.phases, worst.seed), []).append(worst.verdict)
@@ -132,7 +135,7 @@ def _findings(
 
 
 def _was_stuck(file: CoverageFile, phases: Sequence[int]) -> bool:
-    """Return True if the coverage found firmware that waits for ever in the run with these phases."""
+    """Return True if firmware already hung in the run with these phases when the coverage was saved."""
     alone = file.found.failed.get(phases[0], frozenset()) if len(phases) == 1 else frozenset()
     drifting = (one.names for one in file.found.drifting if (one.first, one.last) == (phases[0], phases[-1]))
     return STUCK in alone.union(*drifting)
@@ -161,6 +164,7 @@ def _difference(saved: Verdict, result: Result, at: str, path: Path, allowed: Fr
 
 
 def _is_same(saved: Verdict, now: Verdict, allowed: Fraction, covered: CoveredCase) -> bool:
+    """Return True if two values are equal, or times that differ by at most `allowed` ticks."""
     if saved.worst == now.worst:
         return True
     if saved.worst is None or now.worst is None or now.unit != "us":

@@ -1,4 +1,4 @@
-"""Summary of a case's coverage file, for the line below the result of `run`, for `check` and for the HTML report."""
+"""Summary of a case's coverage file, for the output of `run`, of `check` and of the HTML report."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ...timing.verdict import Verdict
 class PhasesReport(Struct, frozen=True):
     """Summary of a coverage file.
 
-    line: a sentence about the file as a whole.
-    count: the number of phases that were run and the number of phases of a period, as text.
-    worst: for the name of each budget, its worst value at these phases, and the phase of this value as text. It is
-        empty if the file does not match the case, or is not complete.
+    line: a sentence about the file, such as "coverage/slave.json: 3 budgets held at 929 of 3,000,000 phases".
+    count: how many phases of a period were run, such as "929 of 3,000,000 phases".
+    worst: the worst value of each budget, and its phase as text, by the name of the budget. It is empty if the file is
+        out of date or not complete.
     """
 
     line: str
@@ -30,7 +30,7 @@ class PhasesReport(Struct, frozen=True):
 def phases_report(case: Path) -> PhasesReport | None:
     """Return the summary of a case's coverage file; None if there is no file.
 
-    If the file cannot be read, the summary has only a line with the reason.
+    If the file cannot be read, `line` is the reason.
     """
     path = coverage_path(case)
     try:
@@ -60,6 +60,7 @@ def phase_text(phases: Sequence[int], choice: Choice) -> str:
 
 
 def _summary(file: CoverageFile, count: str) -> str:
+    """Return a phrase that says at how many phases budgets held, or which budgets broke."""
     broken = {window.name for window in file.windows or ()}
     broken |= {name for one in file.found.drifting for name in one.names}
     if broken:

@@ -17,10 +17,10 @@ from ...timing.verdict import Verdict
 class ProofReport(Struct, frozen=True):
     """Summary of the proof file of a case.
 
-    line: a sentence about the file; "" if there is none, or the case was read with changes.
-    proven: the names of the proven budgets. It is empty if the file does not match the case.
-    reasons: for the names of some other budgets, the reason why they are not proven.
-    otherwise: the reason for all budgets that are neither in `proven` nor in `reasons`.
+    line: a sentence about the file; "" if there is no file, or the case was read with changes.
+    proven: the names of the proven budgets. It is empty if the file is out of date or cannot be read.
+    reasons: the reason why a budget is not proven, by its name. The file has it for some budgets.
+    otherwise: the reason for all other budgets that are not proven.
     """
 
     line: str
@@ -29,9 +29,9 @@ class ProofReport(Struct, frozen=True):
     otherwise: str = ""
 
     def missing(self, verdicts: Sequence[Verdict]) -> list[tuple[str | None, str]]:
-        """Return, for each verdict that is not proven, the name of the budget and a sentence with the reason.
+        """Return the name and a sentence with the reason for each budget that is not proven.
 
-        If no budget of the case is proven, the list has one pair, with None as the name.
+        If the file proves no budget at all, return only one pair, with None as the name.
         """
         missing = [one for one in verdicts if not one.proven]
         if missing and not self.proven:
@@ -41,7 +41,7 @@ class ProofReport(Struct, frozen=True):
         ]
 
     def line_beside(self, texts: Iterable[str]) -> str:
-        """Return `line`; "" if one of these other texts of the same output contains it already."""
+        """Return `line`; "" if one of these texts, which are shown with it, already contains it."""
         return "" if any(self.line in text for text in texts) else self.line
 
 
@@ -56,7 +56,7 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
     path = proof_path(case)
     if not path.exists():
         return ProofReport("", otherwise=f"there is no {path.as_posix()}; prove --table --save writes it")
-    from ...proof.proof_file import ProofFile  # imported here, because few cases have a proof
+    from ...proof.proof_file import ProofFile  # imported only here, because few cases have a proof
     from ...proof.saved_file import BadSavedFile
 
     if changes:
@@ -65,7 +65,7 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
         found = ProofFile.current(path, case)
     except BadSavedFile as error:
         return ProofReport(str(error), otherwise=str(error))
-    if found is None:  # the file was removed after `exists` was called
+    if found is None:  # the file was removed since the call of `exists`
         return ProofReport("", otherwise=f"there is no {path.as_posix()}")
     file, differences = found
     if differences:

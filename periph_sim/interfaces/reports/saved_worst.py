@@ -25,9 +25,10 @@ from .explain.explain import Explained, explain
 class SavedWorst(NamedTuple):
     """The worst occurrence of a budget in a saved result.
 
-    text: a line that names the saved file, and says how the starts of the run differ from those of the case.
+    text: a line such as "at phase 1.5700000 ms, the worst of coverage/slave.json:".
     explained: the explanation of the occurrence; None if it has no instant.
-    inputs: for JSON, the phases and the seed of the run, or its starts in seconds and the changes of the case.
+    inputs: how the run differs from that of the case, for JSON: {"phases": ..., "seed": ...} for a coverage, or such as
+        {"rounds_s": starts in seconds, "changes": ...} for a proof.
     """
 
     verdict: Verdict
@@ -37,12 +38,10 @@ class SavedWorst(NamedTuple):
 
 
 def saved_worst(case: Path, verdicts: Sequence[Verdict]) -> dict[str, SavedWorst]:
-    """Return a dictionary from the names of budgets to their worst occurrences in the saved results.
+    """Return the worst occurrences of budgets in the saved results of a case, by the names of the budgets.
 
-    It contains only budgets whose value there is nearer to the limit, or farther beyond it, than the value in
-    `verdicts`. A file that does not match the case, or is not complete, is not used.
-
-    Raise BadSavedFile if a file cannot be read.
+    The result has only budgets whose saved value is worse than that in `verdicts`. A file that is out of date or not
+    complete is not used. Raise BadSavedFile if a file cannot be read.
     """
     coverage = CoverageFile.current(coverage_path(case), case)
     proof = ProofFile.current(proof_path(case), case)
@@ -81,6 +80,7 @@ def _of_proof(case: Path, file: ProofFile, proven: WorstRun) -> SavedWorst:
 
 
 def _is_nearer(one: Verdict, other: Verdict) -> bool:
+    """Return True if the value of `one` is worse: nearer to its limit than that of `other`, or farther beyond."""
     return one.margin is not None and (other.margin is None or one.margin < other.margin)
 
 

@@ -23,9 +23,9 @@ Coverage:
 moved starts: the free starts whose times a coverage chooses, instead of the times in the case.
 phase: the number of cycles from a reference time to a moved start. For a frame in a case with rounds, the reference is
     the start of a round; for other starts, it is their time in the case. A *period* has all phases that can occur.
-run with one phase alone: a run in which all moved starts have the same phase. Normally, it has 41 of them.
+run with one phase alone: a run whose moved starts, normally 41, all have the same phase.
 to fail: a run fails if it breaks a budget, if firmware hangs, or if an error ends it. A phase fails if the run with
-    this phase alone fails; otherwise, it *holds*.
+    this phase alone fails. A phase *holds* if it is in a run, with or without other phases, that does not fail.
 drifting failure: a failure of a run with increasing phases that no run with one phase alone repeats.
 window: a range of phases that fail in the same way. Its first and last phase are always run, the others in part.
 part: up to 512 phases that are run by one call, possibly in another process.
@@ -45,9 +45,9 @@ ignored attributes: attributes that are also left out of normal states, by name:
 orbit: the normal states of one rest. They repeat with a period, because clocks and passes of the loop repeat. An orbit
     has a number. Its *ticks* are those of one period, from 0.
 place: an orbit and one of its ticks (in some tables: one of its cycles). It stands for a state of rest.
-entry: a place at which the next round or frame starts. It is *open* until it is run, for the first and only time.
-closed: a table is closed if each entry was run and led to a place in the table. Then each round of any run is like one
-    of the entries, whatever the distances between the starts are.
+entry: a place at which the next round or frame starts. Each is run once, and is *open* before that.
+closed: a table is closed if each entry was run and led to a place of an orbit of the table. Then each round of any run
+    is like one of the entries, whatever the distances between the starts are.
 to run again: to run a random entry a second time, after other rounds, and compare the effects as a test.
 apart: the least distance of two starts for which a table holds, in ticks: the longest time from a start to the rest.
 first start: the first start of the case. It comes before any rest, unless `rests_first` is True: then the scene rests

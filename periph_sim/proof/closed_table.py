@@ -236,7 +236,7 @@ class TableMaker:
         return first_step(ways, place.orbit, lambda orbit: bool(self._open[orbit]))
 
     def _round(self, run: FreeRun, measures: MeasuresAtRest, place: RestPlace, tick: int) -> RestPlace:
-        """Run a round from `place`, which starts at `tick` of the same orbit. Return the place after it."""
+        """Rest from `place` until `tick` of its orbit, and run a round that starts then. Return the place after it."""
         period = self.table.orbits[place.orbit]
         distance = (tick - place.tick) % period or period
         start = run.now + distance + period * self._random.randrange(LONGER_RESTS)

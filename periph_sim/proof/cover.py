@@ -132,8 +132,8 @@ class Coverer:
 
         Return the number of phases, from the first one on, whose results are then known.
 
-        Bisection finds the shortest run with the first of these phases that fails. If one of its last REPORTED phases
-        fails alone, a window begins there, and its end is searched. Otherwise, the failure is added to
+        Bisection finds the least n for which a run of the first n phases fails. If one of the last REPORTED of these
+        phases fails alone, a window begins there, and its end is searched. Otherwise, the failure is added to
         `Covered.drifting`.
         """
         length = _first_true(lambda count: bool(self._run(phases[:count]).failures), 1, len(phases))
@@ -189,8 +189,7 @@ class Coverer:
 def _first_true(is_true: Callable[[int], bool], low: int, high: int) -> int:
     """Return the least number from `low` to `high` for which `is_true` returns True, by bisection.
 
-    `is_true` must return True for all numbers above the least one. It is not called with `high`, because that is
-    assumed to be such a number.
+    `is_true` must return True from this number on. It is not called with `high`, for which True is assumed.
     """
     while low < high:
         middle = (low + high) // 2
@@ -275,7 +274,7 @@ def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int],
 
 
 def _groups(name: str, found: Covered) -> Iterable[list[int]]:
-    """Yield lists of consecutive run phases that fail with this name. A phase that does not fail so ends a list."""
+    """Yield the phases at which `name` fails: [1, 2] and [5] if 1, 2, 3 and 5 were run, and it does not fail at 3."""
     failing = {phase for phase, failures in found.failed.items() if name in failures}
     for fails, group in groupby(sorted({*found.held, *found.failed}), failing.__contains__):
         if fails:

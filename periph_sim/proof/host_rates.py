@@ -62,9 +62,10 @@ class RateTask(Struct, frozen=True):
 def rate_runs(
     places: Sequence[Fraction], bits: tuple[Fraction, Fraction], sample: int, first: int
 ) -> Iterator[tuple[Fraction, tuple[tuple[int, int], ...]]]:
-    """Yield lengths of a bit, each with starts of a frame, such that runs with them have all sequences of samples.
+    """Yield lengths of a bit, each with starts of frames. Frames with them have all sequences of samples.
 
-    A start is counted from the sample before it. The starts are pairs: the least and the greatest one with a sequence.
+    A start is counted in ticks from the sample before it. For each sequence, there is a pair: the least and the
+    greatest start that gives it.
 
     places: the places of the edges of a frame after its start, in bits, in ascending order.
     bits: the least and the greatest length of a bit, in ticks.
@@ -84,7 +85,7 @@ def rate_runs(
     known: set[tuple[tuple[int, ...], tuple[int, ...]]] = set()
     for bit in sorted({least, *changes}):
         edges = [floor(place * bit) for place in places]
-        # the edge comes before the next sample from this distance of the start on
+        # for each edge, the least start (after a sample) with which the edge comes one sample later
         limits = [-edge % sample for edge in edges]
         order = {limit: number for number, limit in enumerate(sorted({0, first, *limits}))}
         kind = tuple(-(-edge // sample) for edge in edges), tuple(order[one] for one in (first, *limits))
@@ -128,7 +129,8 @@ def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> Ra
     last = (len(data) - 1) * (line.length + host.gap)
     if not 0 <= delay - (last + line.length - 1) * bit <= 2 * bit:
         raise NotClosed("the interrupt of the SCI is not requested with the last character of a frame")
-    shift = floor(last * bit) % cells.period  # a cell begins where the start of the last character moves to a sample
+    # The last character of a frame starts at a sample if the frame starts at the beginning of a cell.
+    shift = floor(last * bit) % cells.period
     first = (scene.start + covered.phases.first_starts()["frames"] - cells.first - shift) % cells.period
     bits = bit / (1 + within / 10**6), bit / (1 - within / 10**6)
     found = list(islice(rate_runs(edge_places(data, host.gap), bits, cells.period, first), MOST_RATES + 1))

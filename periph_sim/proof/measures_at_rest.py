@@ -28,7 +28,8 @@ class MeasuresAtRest:
     """Observes the measures of a run at each rest.
 
     spanning: the names of the budgets with an occurrence that was not over at a rest.
-    lacking: the names of the budgets that had too few measured values in a round, or no verdict in the run.
+    lacking: the names of the budgets that had too few measured values in a round (see the key `coverage` of budgets),
+        or no verdict in the run.
     empty: a pair such as ("rounds", "response") for each budget that had no value after a round, and such as ("frames",
         "response") for each budget that had no value after a frame.
 
@@ -115,7 +116,7 @@ def round_events(measure: Measure) -> set[str]:
 
 
 def events_of(measure: EventMeasure) -> list[Matcher]:
-    """Return all events on which the values depend, also those of clauses such as "of transfer", and their ends."""
+    """Return all events on which the values depend, also those in clauses, and begin and end of a counted transfer."""
     each = [one for matcher in measure._all_matchers for one in matcher.each]
     groups = [one.group for one in each if one.group is not None]
     ends = [end for group in groups for end in (group.begin, group.end)]

@@ -32,8 +32,8 @@ class Observed:
     """The writes and interrupts of a few rounds that were run. All times are in cycles.
 
     writes: the times of all writes of registers, each from the start of its round.
-    delays: the times from the start of a frame to the entries of service routines. Only those that all rounds have are
-        included, apart from rounds without any.
+    delays: the times from the start of a frame to the entries of service routines. An entry counts only if it is in
+        each round. Rounds without any entry are not considered.
     """
 
     def __init__(self, covered: CoveredCase) -> None:

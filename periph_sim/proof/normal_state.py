@@ -134,7 +134,7 @@ class NormalCollector(Collector):
             self._instead.setdefault(id(owner), {})[attribute] = value
 
     def collect(self, place: str, target: object, attribute: str, state: State) -> None:
-        """See `Collector.collect`."""
+        """Store an attribute: relative to its grid, as EXPIRED if it is long past, else as `Collector.collect` does."""
         time, value = state.times[attribute], getattr(target, attribute)
         if attribute in state.grids:
             self.values[place] = self._on_grid(place, value, getattr(target, state.grids[attribute]), time)
@@ -246,7 +246,7 @@ def periods_of(scene: Scene) -> dict[str, int]:
 
 
 def period_of(scene: Scene) -> int:
-    """Return the number of cycles after which all these attributes repeat: the period of an orbit."""
+    """Return the number of cycles after which all attributes on grids of cycles repeat: the period of an orbit."""
     return lcm(*periods_of(scene).values())
 
 

@@ -38,7 +38,7 @@ FURTHEST = Fraction(1, 50)  # maximum difference of the rates of host and SCI wi
 
 
 class TimesDigest(Listener):
-    """A digest of the times of all records of KINDS, and of those of their values that cannot contain data."""
+    """A digest of the records of KINDS: of their times, and of their values unless these can be data."""
 
     def __init__(self) -> None:
         self.digest = 0
@@ -112,7 +112,7 @@ def _digest(covered: CoveredCase, table: StartTable, run: int) -> int:
 
 
 def follow_data(covered: CoveredCase, names: Sequence[str]) -> list[str]:
-    """Return those of the named budgets whose values can differ with other data, such as one of edges of a TX line."""
+    """Return those of the named budgets whose values can differ with other data, such as edges of a TX line."""
     pins = [pin for unit in covered.case.unit.values() for pin in unit.pins.items()]
     shown = {name for name, number in pins if any(function.startswith(WITH_DATA) for function in FUNCTIONS[number])}
     others = {name for name, _ in pins} - shown

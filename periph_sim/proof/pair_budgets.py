@@ -23,7 +23,7 @@ from ..timing.language.matcher import Matcher
 from .record_digests import SCI
 from .stretch import CoveredCase
 
-REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; MOVES: a frame can move it in another way
+REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; MOVES: a frame can move it
 ALWAYS_REST = frozenset([Kind.BUS, Kind.TRANSFER, Kind.ROUND])
 LINES = frozenset(["SCL", "SDA"])
 I2C = "I2C"
@@ -77,7 +77,7 @@ def within_round(covered: CoveredCase) -> CoveredCase:
             covered.leave_out(name, "it does not consist of events")
         else:
             sides = {side(one, pins): one for one in used}
-            # "1st interrupt of transfer" depends on where the transfer begins
+            # such as "1st SCIRXINTA of transfer", which also depends on the begin of the transfer
             is_numbered = any(one.group is not None for one in used)
             if MOVES in sides:
                 covered.leave_out(name, f"a frame can move {sides[MOVES].text!r} in a way that is not run")

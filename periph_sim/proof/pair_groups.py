@@ -23,7 +23,7 @@ MOST_ORBITS = 24
 EXTERNAL = "an external interrupt is enabled, whose flags could show the line of the frame"
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
 REQUESTS = ("PIEIFR9.INTx1", "PIEIFR9.INTx3", "PIEIFR8.INTx5")  # SCIRXINTA, SCIRXINTB, SCIRXINTC
-PASSES = 4  # a wait must be as before at most this number of passes after a service routine
+PASSES = 4  # maximum number of passes after a service routine until a wait must be as before
 
 
 class Group(NamedTuple):
@@ -145,7 +145,7 @@ class GroupRunner:
         """
         self.records = GroupDigest()
         self._requested = [0]  # one item: the tick of the last interrupt request of a receiving SCI
-        # The callback does not refer to this object, for the reason given in FreeRun.
+        # The callback must not refer to this object: the reference would keep both alive for ever.
         self.run = FreeRun(covered, ignored, False, False, self.records, partial(_note_request, self._requested))
         self.first_noticed = self.records.noticed
         self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
@@ -168,7 +168,7 @@ class GroupRunner:
         return self.run.ticks_per_cycle
 
     def place(self) -> tuple[int, int]:
-        """Return the orbit and cycle of the present state of rest, as in `at`. Raise NotClosed if it has none."""
+        """Return the present place, as in `at`, and add its orbit if it is new. Raise NotClosed if it has no orbit."""
         key = digest(self.run.state())
         if key not in self.orbits.places:
             self._add_orbit()
@@ -255,7 +255,8 @@ class GroupRunner:
     def _asleep(self) -> tuple[int, int, tuple[tuple[int, int], ...]] | None:
         """Return what is known of the present wait; None if the firmware does not wait.
 
-        The result has the cycle at which a pass began, the number of cycles of a pass, and its reads as in `Sleep`.
+        The result has the cycle at which a pass began, the number of cycles of a pass, and the addresses and values
+        that a pass reads.
         """
         polls = self._polls
         found = polls.normal_state(0, 0)

@@ -188,7 +188,9 @@ def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int, rounds: 
 def run_tasks(job: Job, ignored: Sequence[str], known: Known, tasks: Sequence[Task]) -> Done:
     """Run groups in new scenes, and return the outcome. Worker processes call this.
 
-    job: the case. ignored: the ignored attributes. The outcome depends on the arguments only.
+    job: the case. ignored: the ignored attributes. known: what earlier runs have found.
+
+    The outcome depends on the arguments only.
     """
     pair = PairRun(within_round(case_of(job, Path.cwd())), ignored, deepcopy(known))
     pair.done.runs += pair.run_all(tasks)

@@ -41,7 +41,7 @@ from .stretch import CoveredCase, Job
 MOST_SHRINKS = 32  # maximum number of times that a cell is made smaller because its first and last group are not alike
 TIMED = 400  # number of random groups that are run first, to find most orbits and to estimate the CPU time
 CALLS = 64  # maximum number of calls of `run_tasks` that are made at the same time
-NEAR_ENDS = 2  # of the groups that are run again, one in NEAR_ENDS is in a cell; the others were run before
+NEAR_ENDS = 2  # of the groups to run again, one in NEAR_ENDS is any group of a cell, the others were run
 
 
 class Cell(NamedTuple):
@@ -189,7 +189,7 @@ class PairMaker:
             ]
         )
         found = [self.tasks(number, waits[number]) for number in numbers]
-        # each call has groups from all these orbits (`PairRun.run_all`)
+        # orbits alternate, so that each call can go on from any orbit that it reaches
         self._run([task for some in zip_longest(*(tasks for tasks, _ in found)) for task in some if task is not None])
         cells = [cell for _, cells in found for cell in cells]
         within = [sum(cell.groups - 2 for cell in cells) for _, cells in found]  # groups that are not run

@@ -95,7 +95,7 @@ class Phases:
 
     @property
     def is_relative(self) -> bool:
-        """True if a phase is counted from the start of a round."""
+        """True if a phase is counted from the start of a round, as for the frames of a case with rounds."""
         return self.moved == "frames" and self._case.controller is not None and not self.start_up
 
     @property
@@ -168,7 +168,7 @@ class Phases:
         """Return the ticks of moved starts with these phases, one after the other, after the warm-up.
 
         In a coverage of the start-up, the first start has the first phase, and the others follow at the distance of a
-        period. Their phases have no effect.
+        period. Of the other phases, only the number has an effect.
         """
         if self.start_up:
             first = self._start + phases[0] * self.cycle - self._grid.first

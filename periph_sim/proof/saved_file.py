@@ -62,7 +62,7 @@ class SavedFile(msgspec.Struct, frozen=True, kw_only=True):
         if contents is None:
             return None
         differences = contents.dependencies.differences(case.parent)
-        if case.name not in contents.dependencies.files:  # the file was copied
+        if case.name not in contents.dependencies.files:  # the file is a copy of that of another case
             differences.insert(0, f"it belongs to another case file than {case.name}")
         return contents, differences
 

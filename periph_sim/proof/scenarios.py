@@ -45,14 +45,17 @@ class Scenarios:
         changes: Sequence[str] = (),
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
-        """case: the path of the case. changes: "key=value" texts. on_progress: called with the fraction done, to 1."""
+        """Make the closed table of a case.
+
+        case: the path of the case. changes: "key=value" texts. on_progress: called with the fraction that is done.
+        """
         covered = CoveredCase(Job(str(case), tuple(changes)))
         self._phases = covered.phases
         self._worst: dict[
             str, dict[RestPlace | None, float]
         ] = {}  # by budget and entry; the key of the first round is None
         self._without_values: dict[str, str] = {}
-        self._differing: dict[str, str] = {}  # budgets with two values in rounds from equal states
+        self._differing: dict[str, str] = {}  # by budget: two values, as text, that it had in rounds of one entry
         try:
             maker = TableMaker(covered, on_progress, on_run=self._observe)
             table = maker.make()

@@ -112,7 +112,7 @@ class CoveredCase:
         return self._plan.case
 
     def time(self, tick: int) -> tuple[float, str]:
-        """Return the time of a tick from the start of the run: in seconds, and as text."""
+        """Return the time from the start of the run to a tick: in seconds, and as text."""
         ticks = self._plan.ticks
         return float(ticks.timebase.seconds(tick - ticks.start)), ticks.timebase.show(tick - ticks.start)
 
@@ -129,7 +129,7 @@ class CoveredCase:
         return other
 
     def leave_out(self, name: str, reason: str) -> None:
-        """Leave out a further budget. Raise BadCase if no budget is left."""
+        """Leave out budget `name`, with this reason. Raise BadCase if no budget is left."""
         kept = tuple(budget for budget in self.case.budget if budget.name != name)
         self.left_out[name] = self.not_whole[name] = reason
         if not kept:
@@ -247,7 +247,7 @@ class CoveredCase:
 
 
 def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:
-    """Return the reason for each key of the case that has no effect on the moved starts, or is drawn, by its name."""
+    """Return the inputs that phases do not cover, with the reason, such as {"controller.jitter": "it is drawn"}."""
     found: dict[str, str] = {}
     if phases.jitter:
         found["host.jitter" if phases.moved == "frames" else "controller.jitter"] = "each start comes at its phase"

@@ -28,7 +28,7 @@ from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
 from .table_cases import check_pair
 
-DIGITS = 15  # decimal digits of a time in seconds, so that it is rounded to the intended tick
+DIGITS = 15  # decimal digits of a time in seconds: so many that it is rounded to the intended tick
 HELD = "held"  # the word for a budget that no run broke, and that the tables do not prove
 
 
@@ -47,7 +47,7 @@ class WorstRun(Struct, frozen=True):
     """The worst value of a budget, and the run that had it. Ticks are counted from the start of the run.
 
     worst: the worst value.
-    changes: the "key=value" texts that the run needs, for the clock, if the proof is for a range of clocks.
+    changes: the "key=value" texts for the clock of the run; empty if the proof is for the clock of the case only.
     starts: the ticks of the starts before the value; in a case with rounds and frames, those of frames.
     until: the tick at which the run ends, which is before the next start.
     rounds: in a case with rounds and frames, the ticks of the starts of rounds; else None.
@@ -79,8 +79,8 @@ class WorstInProof(NamedTuple):
         starts, rounds = table.starts[self.number], table.rounds[self.number] if table.rounds else None
         both = sorted([*starts, *(rounds or ())])
         at = both[-1] if self.verdict.at_s is None else round(self.verdict.at_s * per_second)
-        after = [start for start in both[1:] if start > at]  # the run has a start, even if the value is before it
-        after = after if rounds is None else after[1:]  # the next start can belong to the same group
+        after = [start for start in both[1:] if start > at]  # the first start is kept, even if the value is before it
+        after = after if rounds is None else after[1:]  # the next start can be in the same group, so it is kept
         until = after[0] if after else both[-1] + table.apart
         before = None if rounds is None else tuple(start for start in rounds if start < until)
         begun = tuple(start for start in starts if start < until)
@@ -126,7 +126,7 @@ class TableProof(NamedTuple):
 
     @property
     def entry_count(self) -> int:
-        """The number of entries of all tables. Those for which other groups of their cell stand are not run."""
+        """The number of entries of all tables, also of the groups in cells that are not run."""
         return max(self.entries, sum(sum(part.table.orbits) for part in self.parts))
 
     @property

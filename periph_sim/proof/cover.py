@@ -118,7 +118,7 @@ class Coverer:
         self.found = nothing() if found is None else found
 
     def cover(self, phases: Sequence[int]) -> Covered:
-        """Run all these phases, given in ascending order, and return the results."""
+        """Run these phases, given in ascending order, but only some of those in windows, and return the results."""
         if self._case.phases.is_one_a_run:
             self.found.held += [phase for phase in phases if not self.status(phase)]
             return self.found
@@ -327,5 +327,5 @@ def case_of(job: Job, folder: Path) -> CoveredCase:
 
 
 def cover_part(job: Job, phases: Sequence[int], seed: int) -> Covered:
-    """Run these phases, given in ascending order, and return the results. Worker processes call this."""
+    """Do the same as `Coverer.cover` for a part of the phases of a job. Worker processes call this."""
     return Coverer(case_of(job, Path.cwd()), seed).cover(phases)

@@ -214,8 +214,7 @@ def package_digest() -> str:
     found = blake2b(digest_size=DIGEST)
     for folder, folders, files in os.walk(PACKAGE):
         folders[:] = sorted(name for name in folders if name not in ("compiled", "__pycache__"))
-        for name in sorted(files):
-            if not name.endswith((".pyc", ".so", ".pyd")):
-                with open(os.path.join(folder, name), "rb") as file:
-                    found.update(os.path.relpath(folder, PACKAGE).encode() + name.encode() + b"\0" + file.read())
+        for name in sorted(name for name in files if not name.endswith((".pyc", ".so", ".pyd"))):
+            with open(os.path.join(folder, name), "rb") as file:
+                found.update(os.path.relpath(folder, PACKAGE).encode() + name.encode() + b"\0" + file.read())
     return found.hexdigest()

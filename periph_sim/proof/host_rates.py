@@ -32,14 +32,13 @@ from .free_run import NotClosed
 from .pair_budgets import within_round
 from .pair_groups import Group, GroupRun
 from .pair_run import Known, PairRun, Task
-from .pair_table import KnownGroup, PairMaker
+from .pair_table import OTHER_REST, KnownGroup, PairMaker
 from .stretch import CoveredCase, Job
 
 MOST_RATES = 2000  # maximum number of scenes, each with another rate
 SOME = 8  # number of groups from which one is chosen for a run
 # Lengths of a bit in ticks, each with the starts to run: for each sequence of samples, the least and the greatest one.
 RatePlan = list[tuple[Fraction, tuple[tuple[int, int], ...]]]
-OTHER_REST = "the firmware reaches a state of rest that is not in the table"
 
 
 class RateTask(Struct, frozen=True):

@@ -112,8 +112,6 @@ class NormalCollector(Collector):
                 elif f"{name}.{attribute}" in self._ignored:
                     stored[number + 1] = None
         for attribute, time, is_special in plan.others:
-            if attribute in instead:
-                continue
             found: Any = getattr(target, attribute, NOT_SET)
             if found is NOT_SET:
                 continue
@@ -168,8 +166,6 @@ class NormalCollector(Collector):
         elif kind in SEQUENCES and {*map(type, value)} <= PLAIN:
             items = value if time is Time.NONE else [self._relative(one, time) for one in value]
             self.values[name] = (kind.__name__, *items)
-        elif kind is dict and not value:
-            self.values[name] = EMPTY
         else:
             Collector._container(self, name, value, time)
 
@@ -206,13 +202,13 @@ def _plan(kind: type, instead: Collection[str]) -> AttributePlan:
     """Return the plan of a class. instead: the attributes for which a method `normal_state` returned other values."""
     state = state_of(kind)
     assert state is not None, f"{kind.__name__} declares no state"
-    counts = [name for name, time in state.times.items() if name not in state.results and time is not Time.RECORDS]
-    special = {*state.grids, *state.expires, *state.chains, *instead}
+    left_out = {*state.results, *instead}
+    counts = [name for name, time in state.times.items() if name not in left_out and time is not Time.RECORDS]
+    special = {*state.grids, *state.expires, *state.chains}
     plain = tuple(name for name in counts if name not in special and state.times[name] is Time.NONE)
     values: Callable[[object], Any] = _no_values
     if plain:
         values = attrgetter(*plain) if len(plain) > 1 else partial(_one_value, plain[0])
-    special -= {*instead}
     others = tuple([(name, state.times[name], name in special) for name in counts if name not in plain])
     return AttributePlan(class_name(kind), state, hasattr(kind, "normal_state"), plain, values, others)
 
@@ -228,7 +224,6 @@ def _one_value(attribute: str, target: object) -> Any:
 NOTHING: dict[str, object] = {}
 NOT_SET = object()
 SEQUENCES = (list, tuple, deque)
-EMPTY = ("dict",)
 _plans: dict[object, AttributePlan] = {}  # by the class, or by (class, names of attributes with other values)
 
 

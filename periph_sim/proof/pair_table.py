@@ -41,6 +41,7 @@ from .stretch import CoveredCase, Job
 MOST_SHRINKS = 32  # maximum number of times that a cell is made smaller because its first and last group are not alike
 TIMED = 400  # number of random groups that are run first, to find most orbits and to estimate the CPU time
 CALLS = 64  # maximum number of calls of `run_tasks` that are made at the same time
+OTHER_REST = "the firmware reaches a state of rest that is not in the table"
 NEAR_ENDS = 2  # of the groups to run again, one in NEAR_ENDS is any group of a cell, the others were run
 
 
@@ -130,6 +131,8 @@ class PairMaker:
             closed = numbers.stop
         if not table.has_failed:
             self._again()
+        if not table.has_failed and len(self._orbits.known) > closed:
+            raise NotClosed(OTHER_REST)
         table.apart += self.long  # in a group that is not run, the rest can come later by a step of `FreeRun.settle`
         return table
 
@@ -379,8 +382,10 @@ class PairMaker:
     def _compare(self, orbit: int, group: Group, known: GroupRun, run: GroupRun) -> None:
         """Raise NotClosed if a run of a group is not like an earlier one, `known`. orbit: where the group starts."""
         if not run.is_like(known):
-            what = f"{group} from orbit {orbit}: {known} and {run}"
-            raise NotClosed(f"two runs of one meeting differ, so more than the service routine matters ({what})")
+            raise NotClosed(
+                "two runs of one meeting differ, so more than the service routine matters "
+                f"({group} from orbit {orbit}: {known} and {run})"
+            )
 
 
 def round_offsets(covered: CoveredCase, cycle: int) -> tuple[int, ...]:
@@ -394,5 +399,5 @@ def round_offsets(covered: CoveredCase, cycle: int) -> tuple[int, ...]:
     """
     plan = head_plan(ScenePlan(covered.case).ticks)
     grid = gcd(cycle, *astuple(plan.timing), plan.schedule.gap, plan.stuck_after, plan.clear_after)
-    multiples = range(0, cycle, grid)
-    return tuple(sorted({begin + place for begin in multiples for place in (0, min(1, grid - 1), grid - 1)}))
+    places = (0, min(1, grid - 1), grid - 1)
+    return tuple(sorted({begin + place for begin in range(0, cycle, grid) for place in places}))

@@ -16,19 +16,15 @@ from .free_run import NotClosed
 from .normal_state import LONG_PAST
 
 
-def check(case: Case) -> tuple[str, ...]:
-    """Return the ignored attributes for a case with only rounds or only frames.
+def check(case: Case, with_pairs: bool = False) -> tuple[str, ...]:
+    """Return the ignored attributes.
 
-    Raise NotClosed, with all reasons, if the case can have no closed table, or has both rounds and frames.
+    Raise NotClosed, with all reasons, if the case can have no closed table. with_pairs: True if the case may have both
+    rounds and frames.
     """
-    if _is_pair(case):
-        raise NotClosed("; ".join(["rounds and frames start independently of each other", *_reasons(case)]))
-    return check_pair(case)
-
-
-def check_pair(case: Case) -> tuple[str, ...]:
-    """Return the ignored attributes. Raise NotClosed, with all reasons, if the case can have no closed table."""
     reasons = list(_reasons(case))
+    if _is_pair(case) and not with_pairs:
+        reasons.insert(0, "rounds and frames start independently of each other")
     if reasons:
         raise NotClosed("; ".join(reasons))
     return ("head._number", "host._number")

@@ -26,7 +26,7 @@ from .other_data import data_use, follow_data
 from .pair_budgets import within_round
 from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
-from .table_cases import check_pair
+from .table_cases import check
 
 DIGITS = 15  # decimal digits of a time in seconds: so many that it is rounded to the intended tick
 HELD = "held"  # the word for a budget that no run broke, and that the tables do not prove
@@ -264,7 +264,7 @@ def _pair_tables(
 ) -> Iterator[tuple[CoveredCase, StartTable]]:
     """Do the same as `_tables` for a case with rounds and frames."""
     covered = within_round(made.covered)
-    ignored, reason = check_pair(covered.case), covered.phases.not_exact(made.any_tick)
+    ignored, reason = check(covered.case, with_pairs=True), covered.phases.not_exact(made.any_tick)
     if reason:
         raise NotClosed(reason)
     for job in jobs:

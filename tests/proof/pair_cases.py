@@ -18,7 +18,7 @@ from periph_sim.proof.pair_groups import Sleep
 from periph_sim.proof.pair_run import Task
 from periph_sim.proof.pair_table import Cell, PairMaker
 from periph_sim.proof.stretch import CoveredCase, Job
-from periph_sim.proof.table_cases import check_pair
+from periph_sim.proof.table_cases import check
 from tests.scene.runs import TIMING
 
 FIRMWARE = TIMING.parent / "firmware" / "c28x"
@@ -105,7 +105,7 @@ def maker_of(
 ) -> PairMaker:
     """Return the maker of a table whose rounds start with cycles of the CPU. All its runs are made in this process."""
     covered = CoveredCase(job)
-    ignored = check_pair(covered.case)
+    ignored = check(covered.case, with_pairs=True)
     return PairMaker(covered, job, ignored, lambda _: None, on_estimate, call_here, least_again, any_tick=False)
 
 

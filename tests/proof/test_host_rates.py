@@ -25,7 +25,7 @@ from periph_sim.proof.pair_groups import Cells, Group, GroupRun, Orbit, Orbits
 from periph_sim.proof.pair_run import Known, Task
 from periph_sim.proof.pair_table import KnownGroup, PairMaker
 from periph_sim.proof.stretch import CoveredCase, Job, Outcome
-from periph_sim.proof.table_cases import check_pair
+from periph_sim.proof.table_cases import check
 from periph_sim.proof.table_proof import prove
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
@@ -250,7 +250,7 @@ class Planned(NamedTuple):
 
 def planned(folder: Path, within: int, *changes: str, firmware: tuple[tuple[str, str], ...] = ()) -> Planned:
     job = Job(str(write_lonely(folder, *firmware)), changes)
-    ignored = check_pair(CoveredCase(job).case)
+    ignored = check(CoveredCase(job).case, with_pairs=True)
     maker = maker_of(job, 0)
     maker.explore()
     return Planned(maker, job, ignored, plan_rates(maker, ignored, Fraction(within)))

@@ -29,7 +29,7 @@ from periph_sim.proof.pair_groups import Cells, Group, GroupRun, GroupRunner, Or
 from periph_sim.proof.pair_run import Done, Known, PairRun, Task, alone
 from periph_sim.proof.pair_table import Cell, PairMaker, round_offsets
 from periph_sim.proof.stretch import CoveredCase, Job, Outcome
-from periph_sim.proof.table_cases import check_pair
+from periph_sim.proof.table_cases import check
 from periph_sim.proof.table_proof import TableProof, prove
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.model import BadCase
@@ -81,7 +81,7 @@ def few_groups_are_explored(monkeypatch: pytest.MonkeyPatch) -> None:
 def runner_of(path: Path) -> GroupRunner:
     """Return a runner that knows the cells of frames."""
     covered = within_round(CoveredCase(Job(str(path))))
-    runner = GroupRunner(covered, check_pair(covered.case), Orbits())
+    runner = GroupRunner(covered, check(covered.case, with_pairs=True), Orbits())
     runner.cells = find_cells(runner)
     return runner
 
@@ -408,6 +408,21 @@ def test_an_orbit_that_is_found_while_another_is_closed_is_closed_too(tmp_path: 
     assert table.again == 230 // REVISITED
 
 
+def test_an_orbit_that_is_found_when_groups_are_run_again_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Groups from this orbit are not in the table, so the table is not closed."""
+    orbits: list[Orbit] = []
+    maker = invented(tmp_path, monkeypatch, lambda task: LIKE, orbits)
+    again = maker._again
+
+    def find_orbit() -> None:
+        orbits.append(Orbit(tuple(bytes([number, 1]) for number in range(40)), 0))
+        again()
+
+    monkeypatch.setattr(maker, "_again", find_orbit)
+    with pytest.raises(NotClosed, match="the firmware reaches a state of rest that is not in the table"):
+        maker.make()
+
+
 def test_groups_at_the_ends_of_cells_that_differ_are_in_no_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """A frame that comes early has another effect, and the service routine of a late one is not within the wait."""
 
@@ -598,7 +613,7 @@ def test_firmware_that_notices_more_of_a_frame_is_refused(old: str, new: str, re
     start = ("_start_pin:", "_start_pin: MOVW DP,#0x440 >> 6\n          MOV   @0x450,#5  ; on the stack\n")
     covered = within_round(CoveredCase(Job(str(write_lonely(tmp_path, (old, new), start)))))
     with pytest.raises(NotClosed, match=reason):
-        pair = PairRun(covered, check_pair(covered.case), Known(Orbits(), None, {}))
+        pair = PairRun(covered, check(covered.case, with_pairs=True), Known(Orbits(), None, {}))
         find_cells(pair.runner)
         pair.run(Task(pair.runner.at[0], Group(0, None), 0, None))
 

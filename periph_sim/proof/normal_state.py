@@ -145,14 +145,14 @@ class NormalCollector(Collector):
         kind = type(value)
         if kind in PLAIN:  # checked first, because most values are plain
             self.values[name] = value if time is Time.NONE else self._relative(value, time)
+        elif kind is Event and not value.queued:
+            self.values[name] = "not queued"
         elif id(value) in self._names:
             self.values[name] = ("reference", self._names[id(value)])
         elif kind in _plans and not self._in_chain and kind not in self._module.keys:
             self._names[id(value)] = name
             self._named.append(value)
             self.attributes(name, value)
-        elif kind is Event and not value.queued:
-            self.values[name] = "not queued"
         elif kind is Random:
             _, numbers, gauss_next = value.getstate()
             self.values[name] = ("Random", hash(numbers), gauss_next)

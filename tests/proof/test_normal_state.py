@@ -11,6 +11,7 @@ from random import Random
 
 import pytest
 
+from periph_sim.core.agent import Agent, Event
 from periph_sim.core.chip import NEVER
 from periph_sim.core.records import RECORDED, Record
 from periph_sim.core.snapshot import Module, Snapshot
@@ -39,6 +40,15 @@ AHEAD = 25  # ms for which two scenes are compared
 
 def case_of(name: str) -> Case:
     return load(TIMING / f"{name}.toml", IMAGES[name][0])
+
+
+class Holder:
+    """An object whose state is an event."""
+
+    STATE = State("event")
+
+    def __init__(self, event: Event) -> None:
+        self.event = event
 
 
 class LeftOut(NormalCollector):
@@ -124,3 +134,19 @@ def test_only_a_running_clock_repeats():
         found = [NormalCollector({"clock": Module(clock, 5 + cycle)}, 0, past, ()) for cycle in range(17)]
         assert [cycle for cycle in range(17) if found[cycle].values == found[0].values] == equal
         assert found[0].periods == periods
+
+
+def test_an_event_that_is_not_queued_has_no_time():
+    """This also holds after an event that is queued was collected."""
+    scene = Scene(case_of("variants/image_blink"))
+    event = scene.kernel.event(Agent(), 0)
+    past = {Time.TICKS: 1000, Time.CYCLES: 1000}
+
+    def collected() -> object:
+        return NormalCollector({"event": Module(Holder(event))}, scene.kernel.now, past, ()).values
+
+    never_queued = collected()
+    scene.kernel.reschedule(event, scene.kernel.now + 100, 0)
+    queued = collected()
+    scene.kernel.cancel(event)
+    assert collected() == never_queued != queued

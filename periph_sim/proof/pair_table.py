@@ -382,10 +382,8 @@ class PairMaker:
     def _compare(self, orbit: int, group: Group, known: GroupRun, run: GroupRun) -> None:
         """Raise NotClosed if a run of a group is not like an earlier one, `known`. orbit: where the group starts."""
         if not run.is_like(known):
-            raise NotClosed(
-                "two runs of one meeting differ, so more than the service routine matters "
-                f"({group} from orbit {orbit}: {known} and {run})"
-            )
+            what = f"{group} from orbit {orbit}: {known} and {run}"
+            raise NotClosed(f"two runs of one meeting differ, so more than the service routine matters ({what})")
 
 
 def round_offsets(covered: CoveredCase, cycle: int) -> tuple[int, ...]:
@@ -399,5 +397,4 @@ def round_offsets(covered: CoveredCase, cycle: int) -> tuple[int, ...]:
     """
     plan = head_plan(ScenePlan(covered.case).ticks)
     grid = gcd(cycle, *astuple(plan.timing), plan.schedule.gap, plan.stuck_after, plan.clear_after)
-    places = (0, min(1, grid - 1), grid - 1)
-    return tuple(sorted({begin + place for begin in range(0, cycle, grid) for place in places}))
+    return tuple(sorted({at + place for at in range(0, cycle, grid) for place in (0, min(1, grid - 1), grid - 1)}))

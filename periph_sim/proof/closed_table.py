@@ -136,7 +136,8 @@ class TableMaker:
     on_estimate: called after TIMED entries, with the expected number of entries, and the estimated CPU time in seconds.
     on_run: called at the end of each run, with the run and the entries of its rounds. The first start of the case has
         no entry. If `on_run` is given, scenes keep all values of their budgets.
-    rests_first: True to make the first start free, too; None for True only if the starts of the case have jitter.
+    rests_first: True to make the first start free, too. None means True if the starts of the case have jitter, else
+        False.
     least_again: the least number of entries that are run again.
     entries: the effects of the entries that were run.
     first: the effects of the first round of the case, with which each run begins; None if the first start is free.

@@ -37,7 +37,7 @@ from .stretch import CoveredCase, Job
 
 MOST_RATES = 2000  # maximum number of scenes, each with another rate
 SOME = 8  # number of groups from which one is chosen for a run
-# Lengths of a bit in ticks, each with the starts to run: for each sequence of samples, the least and the greatest one.
+# Lengths of a bit in ticks, each with offsets of frames: for each sequence of samples, the least and the greatest one.
 RatePlan = list[tuple[Fraction, tuple[tuple[int, int], ...]]]
 
 

@@ -1,10 +1,11 @@
 """Check, whenever a scene is at rest, whether all values of a budget's measure follow from single rounds.
 
 round --> rest --> round        spanning: a pair that waits for its second event lasts into the next round
-      |        |                lacking: a round with too few values, of which a run could consist
+      |        |                lacking: a round has too few values, and a run can repeat it
    measure at rest
 
-A closed table proves only budgets with which neither is the case. The glossary in `periph_sim.proof` has the terms.
+A closed table proves only budgets that are neither spanning nor lacking. The glossary in `periph_sim.proof` has the
+terms.
 """
 
 from __future__ import annotations

@@ -192,10 +192,10 @@ class PairMaker:
             ]
         )
         found = [self.tasks(number, waits[number]) for number in numbers]
-        # orbits alternate, so that each call can go on from any orbit that it reaches
+        # tasks of all these orbits alternate, so that a call has one from whatever orbit it reaches
         self._run([task for some in zip_longest(*(tasks for tasks, _ in found)) for task in some if task is not None])
         cells = [cell for _, cells in found for cell in cells]
-        within = [sum(cell.groups - 2 for cell in cells) for _, cells in found]  # groups that are not run
+        within = [sum(cell.groups - 2 for cell in cells) for _, cells in found]  # per orbit: groups not run
         for _ in range(MOST_SHRINKS):
             if self.table.has_failed:
                 return

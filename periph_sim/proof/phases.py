@@ -205,7 +205,7 @@ class Phases:
 
     def cycles_after_due(self, tick: int) -> int:
         """Return the number of cycles from the beginning of the period that contains a tick to this tick."""
-        number = ceil((tick + 1 - self._grid.first) / self._grid.period) - 1  # the number of this period
+        number = ceil((tick + 1 - self._grid.first) / self._grid.period) - 1  # number of the period with `tick`
         return (tick - self._grid.due(number)) // self.cycle
 
     def between(self, first: Fraction, last: Fraction) -> tuple[int, int]:

@@ -69,8 +69,9 @@ class DeviceBus:
     def stretch(self, length: str) -> None:
         """Hold SCL low from now on for a length such as "20 us".
 
-        The hooks on_address, on_write and on_read run just after a fall of SCL, so the present byte is stretched. At
-        other instants, as in a function of `after`, SCL falls if it is high, also on an idle bus.
+        The hooks on_address, on_write and on_read run just after a fall of SCL, so a call from them extends the low
+        phase before the ACK bit (on_address, on_write) or before the first bit of the byte to send (on_read). In other
+        functions, such as those given to `after`, SCL may be high. It then falls at once, also on an idle bus.
         """
         self._place.hold_clock(self._ticks(length))
 

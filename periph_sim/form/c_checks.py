@@ -92,7 +92,10 @@ REFUSAL = """\
 
 
 def never_none(source: Source) -> list[tuple[str, str]]:
-    """Return pairs (class, attribute) of the attributes whose type is a compiled class and that are never None."""
+    """Return pairs (class, attribute) of the attributes that must refuse None.
+
+    Their type is a compiled class, and their annotation does not allow None.
+    """
     typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
     return [(owner, name) for owner, name, of in typed if of.kind and not of.optional]
 

@@ -84,7 +84,9 @@ class Reaction:
         self._put: list[tuple[int, str, int]] = []  # moves (tick, line, level) in order of time
         self._fresh = False  # True if the attributes that `_look` computes are up to date
         self._due = NEVER
-        self._silent = -1  # number of further edges of SCL that cause no answer; -1 if any edge may cause one
+        # Number of further edges of SCL that cause no answer, under the conditions in the head of this file; -1 if any
+        # edge of a line may cause one.
+        self._silent = -1
         self._widest = 0  # length in ticks of the longest pulse that a filter may remove
         self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
         self._hz: list[Fraction] = []  # frequencies of the clocks in `_widest_of` when `_widest` was computed
@@ -146,7 +148,10 @@ class Reaction:
         del self._put[:done]
 
     def _weigh_all(self) -> None:
-        """Lower `_due` to the earliest tick at which the case can answer a move that is in `_put` and is not past."""
+        """Lower `_due` if the case can answer a present or future move in `_put` earlier.
+
+        An answer is a pull or release of a line by a pin of the case. No answer comes before tick `_due`.
+        """
         self._pass(len(self._put))
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done

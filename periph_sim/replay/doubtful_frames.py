@@ -115,10 +115,12 @@ class Settled:
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
         """Return how many items and words to skip from an uncertain start bit on: (items, words).
 
-        The choice is the one after which the most words agree with their items. Of equally good choices, the one with
-        the fewest items is preferred, and then the one whose number of words is nearest to the expected number. One
-        word is expected for each item, but none for a rejected start that is the first item. If no choice makes any
-        word agree, one item is skipped, with one word if the item is a frame.
+        An item is a decoded frame or a rejected start; a word is what the firmware received. The numbers are chosen so
+        that the most words after them agree with the items after them. Of equally good pairs, the one with the fewest
+        items is chosen, and then the one that skips nearest to one word per item. A rejected start at `item` does not
+        count in this rule. If no pair makes any word agree, one item is skipped, with one word if it is a frame.
+
+        item, word: the indices of the item with the uncertain start bit, and of the first word that is not compared.
         """
         usual = int(self._items[item].kind is UartRowKind.FRAME)
         last = item + 1

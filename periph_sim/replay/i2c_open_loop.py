@@ -145,9 +145,9 @@ class I2cOpenReplay(SlaveReplay):
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
-        """Return, for each bit of the accesses to the firmware, the low phase of SCL before the bit.
+        """Compare each low phase of the captured SCL before a bit of an access to the firmware with the chip's hold.
 
-        Bits without a known low time are left out. scl: the levels of SCL that result if only the chip drives it.
+        Bits whose low phase was not captured from its beginning are left out. scl: SCL if only the chip drives it.
         """
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [

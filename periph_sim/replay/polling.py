@@ -66,7 +66,8 @@ class PolledCapture:
         self._from: list[int] = [-1]
         self._shifts: list[int] = [0]
         self._polls: dict[tuple[int | None, bool | None], list[_Poll]] = {}
-        self._may_be_busy: set[int] = set()  # positions of captured accesses at which the target may be busy
+        # Positions, in the capture, of the STARTs of the accesses during which the target may be busy.
+        self._may_be_busy: set[int] = set()
         self._find_polls(captured, own)
 
     def _find_polls(self, captured: Sequence[Transfer], own: Sequence[int]) -> None:
@@ -233,9 +234,9 @@ def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int], us: Fraction)
 
     us: microseconds per position.
 
-    The list has the lower and the upper bound: the time of the latest NACK of the address, and the time of the earliest
-    ACK after a NACK. If the lower bound is the larger one, the busy time differs between writes. The list is empty if
-    no ACK follows a NACK.
+    Of all writes together, the lower bound is the longest time from the STOP to a NACK of the address, and the upper
+    bound is the shortest time from the STOP to an ACK after a NACK. If the lower bound is the larger one, the busy time
+    differs between writes. The list is empty if no ACK follows a NACK.
     """
     refused: list[int] = []
     acknowledged: list[int] = []

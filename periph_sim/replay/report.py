@@ -196,8 +196,9 @@ class Report:
     refusals, captured_refusals: closed loop: how often the firmware, and the captured target, refused its address. They
         may differ, since the controller polls until the firmware answers.
     busy_us, captured_busy_us: [lower bound, upper bound] of the time for which the firmware, or the captured target,
-        was busy after the STOP of a write. The lower bound is the time of the latest NACK of its address. The upper
-        bound is the time of the earliest ACK after a NACK; without such an ACK, the list is empty.
+        is busy after a write. Of all writes together, the lower bound is the longest time from the STOP to a NACK of
+        the address, and the upper bound is the shortest time from the STOP to an ACK after a NACK. Without such an ACK,
+        the list is empty. If the busy time differs between writes, the lower bound may be the larger one.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
     captured_errors: number of UART frames with a framing or parity error in the capture, without breaks and ambiguous

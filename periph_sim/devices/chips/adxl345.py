@@ -149,7 +149,7 @@ class Fifo:
     def set_up(self, mode: int, samples: int) -> None:
         """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents.
 
-        A change of the mode clears Overrun, and the mark of an unread sample that bypass mode has.
+        If the mode changes, Overrun is cleared, and the sample in the output register counts as read.
         """
         if mode == BYPASS:
             self._waiting.clear()

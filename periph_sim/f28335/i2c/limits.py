@@ -35,9 +35,9 @@ class I2cLimits:
         self.sysclk_hz: Fraction = Fraction(150_000_000)
         self._state = state
         # The last settings that were checked without a violation. Equal settings are not checked again.
-        self._clock_within_tm = 0  # I2CPSC + 1 of the last setting without a violation
-        self._clock_within_hz: Fraction = self.sysclk_hz  # SYSCLKOUT of the last setting without a violation
-        # (low cycles of SCL, high cycles, frequency of SYSCLKOUT) of the last setting without a violation.
+        self._clock_within_tm = 0  # I2CPSC + 1 when the module clock was last found to be 7 to 12 MHz
+        self._clock_within_hz: Fraction = self.sysclk_hz  # SYSCLKOUT when the module clock was last 7 to 12 MHz
+        # (low cycles of SCL, high cycles, frequency of SYSCLKOUT) when the times of SCL were last within their limits.
         self._within = (0, 0, self.sysclk_hz)
 
     def module_clock(self) -> None:

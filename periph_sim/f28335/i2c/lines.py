@@ -35,7 +35,7 @@ BOTH = SCL | SDA
 
 
 class I2cLines(Chip):
-    """The I2C module without the effects of register accesses: its pins, clock, timers and outputs."""
+    """Base class of the I2C module: its pins, clock, timers and outputs. The subclass `I2c` adds register accesses."""
 
     STATE = State(
         "state target limits master _lines _pins _clocked _suspended _bus_busy _frozen_pull _readable",

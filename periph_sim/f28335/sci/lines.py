@@ -60,7 +60,7 @@ def since(tick: int, now: int, least: int) -> int:
 
 
 class SciLines(Chip):
-    """The SCI without the effects of register accesses.
+    """Base class of the SCI: its pins, receiver, transmitter and clocks. The subclass `Sci` adds register accesses.
 
     name: the module's name in notes. options: answers to open questions of the manual.
     """

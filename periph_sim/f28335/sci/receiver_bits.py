@@ -75,7 +75,8 @@ class SciRxBits:
         self._level = 1  # level of the present run
         self._low_from = FAR  # first sample of a low run that may be a start bit; FAR if this run cannot be one
         self._high_from = FAR  # tick from which idle bits are counted in a high run; not before `_idle_base`
-        # No idle bits are counted before this tick. It is FAR if none are counted before the first frame.
+        # The tick from which idle bits are counted. It is FAR before the first frame or break, if the option
+        # `idle_before_first_frame` is False and the idle-line protocol is used.
         self._idle_base = FAR
         self._idle = False  # True if an idle line (ten idle bits) was detected after the last frame
         self._idle_unreported = False  # True if an idle line was detected, and `step` has not returned IDLE for it yet

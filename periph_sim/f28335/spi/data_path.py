@@ -48,7 +48,7 @@ class SpiFifo(InterruptFifo):
         self.options = options
 
     def reset(self) -> None:
-        """Reset by XRS."""
+        """Put the FIFO into its state after a reset by XRS."""
         super().reset()
         self.on = False
         self.request = False
@@ -134,7 +134,7 @@ class TransmitBuffer:
         self.reset()
 
     def reset(self) -> None:
-        """Reset by XRS."""
+        """Put the transmit buffer into its state after a reset by XRS."""
         self.fifo.reset()
         self.txbuf = 0
         self.full = False
@@ -200,7 +200,7 @@ class ReceiveBuffer:
         self.reset()
 
     def reset(self) -> None:
-        """Reset by XRS."""
+        """Put the receive buffer into its state after a reset by XRS."""
         self.fifo.reset()
         self.rxbuf = self.status = self.enables = 0
         self.request = self.loaded = False

@@ -62,7 +62,7 @@ IDLE, BEGIN, LEADING, TRAILING, DELAY, RELEASE = range(6)
 
 
 class SpiLines(Chip):
-    """The SPI without the effects of register accesses: its pins, clock, timer and outputs.
+    """Base class of the SPI: its pins, clock, timer and outputs. The subclass `Spi` adds register accesses.
 
     name: the module's name in notes.
     options: answers to open questions of the manual.

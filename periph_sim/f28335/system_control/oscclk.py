@@ -28,9 +28,9 @@ class OscClock:
         self._step = 4 * PARTS  # parts per SYSCLKOUT cycle
 
     def at(self, cycle: int) -> int:
-        """Return the OSCCLK position, in parts, at which a cycle begins.
+        """Return the time at which a cycle begins, as an OSCCLK position: in 1 / PARTS of an OSCCLK period.
 
-        cycle: a cycle at or after the last `retune`.
+        cycle: a SYSCLKOUT cycle at or after the last `retune`.
         """
         return self._position + (cycle - self._cycle) * self._step
 

@@ -187,7 +187,7 @@ class Adapter(io.RawIOBase):
         elif request == PEC:
             self._checks = bool(int(argument))
         elif request in (TENBIT, RETRIES, TIMEOUT):
-            pass  # RETRIES and TIMEOUT are ignored: there are no retries, and a held bus times out after 25 ms
+            pass  # TENBIT is 0, the default. There are no retries, and the time-out of a held bus is always 25 ms
         elif request == SMBUS:
             with self._on_bus() as master:
                 self._smbus(master, _SmbusRequest.from_address(ctypes.addressof(argument)))

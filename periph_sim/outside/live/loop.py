@@ -29,7 +29,10 @@ class Door(Protocol):
         return ()
 
     def turn(self) -> None:
-        """Transfer bytes in both directions. The loop calls this between steps. The door may advance the session."""
+        """Transfer bytes in both directions. The loop calls this between steps.
+
+        An implementation may advance the session, for example to execute an I2C transfer.
+        """
 
 
 class Loop:

@@ -116,8 +116,9 @@ class Channel:
         """
         if not short.any():
             return self
-        begins = np.flatnonzero(~np.append(False, short[:-1]))  # indices of the edges that end a level that is kept
-        ends = np.flatnonzero(~short)  # indices of the edges that begin a level that is kept
+        # A group of edges has only removed levels between its edges, and kept levels before and after it.
+        begins = np.flatnonzero(~np.append(False, short[:-1]))  # for each group, the index of its first edge
+        ends = np.flatnonzero(~short)  # for each group, the index of its last edge; it remains if their number is odd
         return replace(self, edges=self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:

@@ -101,11 +101,11 @@ def i2c_rows(table: I2cTable) -> Rows:
     again = addresses[byte & 0xF9 == 0xF1]  # address bytes 11110xx with R/W = 1
     if len(again):
         lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
-        # `lows` has the rows of the lower bytes of 10-bit addresses.
-        before = np.searchsorted(lows, again)  # for each address in `again`, the number of lower bytes before it
-        # `again` keeps the addresses that follow a lower byte; `low` has the last lower byte before each of them.
+        # `lows` has the rows of the second bytes of 10-bit addresses.
+        before = np.searchsorted(lows, again)  # for each row in `again`, the number of rows of `lows` before it
+        # `again` keeps the addresses that follow a second byte; `low` has the last second byte before each of them.
         again, low = again[before > 0], lows[before[before > 0] - 1]
-        # True if the lower address byte and the repeated address are in the same transfer.
+        # True if the second address byte and the repeated address are in the same transfer.
         same = np.searchsorted(starts, low) == np.searchsorted(starts, again)
         same &= value[low] >> 8 == value[again] & 3
         value[again[same]] = value[low[same]]

@@ -144,12 +144,15 @@ class Phase:
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
-    """A transfer from START to STOP, or everything before the first START of the capture, or of its known part.
+    """A transfer from START to STOP. The rest of a transfer whose START was not captured is a `Transfer`, too.
 
-    phases: the phases; empty before the first START, because the boundaries of bytes are unknown there.
-    stop: the STOP; None if the capture, or its known part, ends before the STOP. Before the first START, the last STOP.
-    gap: the number of positions from the previous STOP to the START; None if the previous STOP was not captured.
-    lead: the pulses of SCL before the first START; empty for a transfer with a START.
+    Such a rest has no phases, because the boundaries of its bytes are unknown. It has all pulses before the first START
+    of a span. A span is a part of the capture in which the levels are known.
+
+    phases: the phases; empty in a rest.
+    stop: the STOP; None if the span ends before it. In a rest, the last STOP before the first START; None without one.
+    gap: the number of positions from the previous STOP to the START; None in a rest, and if the span has no such STOP.
+    lead: the pulses of a rest; empty in a transfer with a START.
     """
 
     phases: tuple[Phase, ...]

@@ -65,7 +65,7 @@ class LastRound(Listener):
         recorder.subscribe([Kind.EDGE], self, {Kind.EDGE: self._wires})
 
     def listen(self, scene: Scene) -> None:
-        """Subscribe to the rounds of a scene; if it has none, to its transfers."""
+        """Subscribe to the controller's rounds of requests or, if there are none, to the I2C transfers."""
         if scene.bus.asked is not None:
             scene.on_round(self._round)
         elif "SCL" in scene.wires:

@@ -45,7 +45,7 @@ class Task(NamedTuple):
 
 
 class Known(NamedTuple):
-    """What earlier runs of the table have found, as far as a run of groups needs it.
+    """The findings of earlier runs of the table that a run of groups needs.
 
     orbits: the orbits.
     cells: the cells of frames; None while they are not known.

@@ -28,7 +28,7 @@ from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
 from .table_cases import check
 
-DIGITS = 15  # decimal digits of a time in seconds: so many that it is rounded to the intended tick
+DIGITS = 15  # decimal digits of a time in seconds, enough to round it to the intended tick
 HELD = "held"  # the word for a budget that no run broke, and that the tables do not prove
 
 

@@ -33,7 +33,7 @@ MOST_NAMED = 12  # maximum number of channels that a message names
 MOST_LISTED = 3  # maximum number of spans that a note lists
 MOST_POSITION = 1 << 62  # maximum position, which is stored in 64 bits
 UNKNOWN = 2  # the state of a line whose level is unknown; the other states are 0 and 1
-# Behind the remedy for a damaged file, if --salvage was given and the format cannot be read in part.
+# Added to the remedy for a damaged file if --salvage was given and the format cannot be read in part.
 NO_SALVAGE = ", since --salvage reads no part of a file of this format"
 STATE_LETTERS = "01x"  # for each state, its letter in a waveform file
 UNITS = {"": 1, "hz": 1, "khz": 10**3, "mhz": 10**6, "ghz": 10**9}

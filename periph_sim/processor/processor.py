@@ -1,12 +1,12 @@
-"""One CPU: its time, bus and interrupts, and the program that runs on them.
+"""One CPU: its time, its bus, its interrupts and its program.
 
     kernel --wake-up--> Processor --run--> Program --> Bus, CpuTime
                             ^--- reach, rest, take_interrupt, iret, stops
 
 The program calls `reach`, `rest`, `take_interrupt` or `iret` for a step that takes time. If the call returns True, the
-step is complete, and the program continues in the same call of `run`. If it returns False, the program must stop: it
-returns from `run` or calls `stops`. When the kernel wakes this CPU, the processor completes the step and runs the
-program again.
+step is complete, and the program continues in the same call of `run`. If it returns False, the program must stop. An
+image then returns from `run`. Python firmware calls `stops` instead, because it stops in the middle of its functions
+and so cannot return. When the kernel wakes this CPU, the processor completes the step and runs the program again.
 
 A program executes instructions. It advances `CpuTime.cycle`, makes accesses in the cycles that the bus returns, and
 takes interrupts at boundaries between two instructions (`Processor.take_interrupt`, which calls `enter`). It keeps its

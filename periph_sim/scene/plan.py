@@ -2,8 +2,9 @@
 
     Case --> ScenePlan: ticks, wiring, names and plans of budgets, plans of units, controller and host --> Scenes
 
-A plan contains nothing that a run changes. The sensors of plugins are read once for a plan. If names for budgets are
-defined in other files than the case's, in an image or in `measures_from`, these files are read again for each scene.
+A plan contains nothing that a run changes. Budgets may use names from two kinds of files besides the case: variables
+and functions of an image, and the measures in the file of the key `measures_from`. These files are read again for each
+scene.
 """
 
 from __future__ import annotations

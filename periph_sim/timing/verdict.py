@@ -181,7 +181,10 @@ def assumes(names: Sequence[str]) -> str:
 
 
 def assumes_lines(names: Sequence[str]) -> list[str]:
-    """Return the result of `assumes` as indented lines of at most 80 characters; [] if there are no names."""
+    """Return the phrase about undocumented behaviours as indented lines of at most 80 characters.
+
+    names: the options for these behaviours, as for `assumes`. If there are none, return [].
+    """
     import textwrap  # imported here, because few runs fail
 
     text = assumes(names) if names else ""

@@ -239,10 +239,12 @@ def _draw(found: Coverage, certain: Sequence[CertainFailure], place: Path) -> li
 
 
 def _check_writable(path: Path) -> None:
-    """Raise ClickException if the folder of a result to save is not writable, or cannot be created.
+    """Raise ClickException if the file of a result cannot be written, because of its folder.
 
-    path: the path of the result. If the folder of the case does not exist, nothing is raised here: reading the case
-        then fails with a better message.
+    path: the path of the file. Its folder, such as "proofs", is inside the folder of the case. If it does not exist,
+        the folder of the case must be writable, so that it can be created.
+
+    Raise nothing if the folder of the case does not exist: the error of reading the case is clearer.
     """
     folder = path.parent
     if os.path.lexists(folder) and not folder.is_dir():

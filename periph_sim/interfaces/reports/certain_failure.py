@@ -30,7 +30,9 @@ KINDS = (Kind.ACCESS, Kind.IRQ)
 NEAREST = 8
 MOST_ENDS = 16  # maximum number of ends of windows that are examined, because each takes up to 2 * NEAREST runs
 
-Content = tuple[str, int | None, str]  # what, value if it is compared, field
+# What is compared of a record: its `what`, such as "R I2C-A.I2CSTR", its `value`, and its `field`. The value is None
+# for registers whose values are not compared.
+Content = tuple[str, int | None, str]
 
 
 class Step(NamedTuple):

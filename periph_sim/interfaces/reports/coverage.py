@@ -65,7 +65,7 @@ class Coverage:
 
     @property
     def run_count(self) -> int:
-        """The number of different phases that were run."""
+        """The number of different phases that were run. A phase is the distance of a start from a reference time."""
         return len({*self.found.held, *self.found.failed})
 
     @property

@@ -231,9 +231,10 @@ def operand_texts(wide: bool) -> tuple[str, ...]:
 
 
 def is_operand(kind: str, field: int) -> bool:
-    """Return True if this value of field l encodes an operand of the kind loc16, loc32, mem16, mem32 or reg32.
+    """Return True if an operand of this kind can have this value of field l, the bits `llllllll` of an instruction.
 
-    loc is memory or a register, mem is memory only [SPRUEO2A Table 4-1], reg32 is a 32-bit register only.
+    kind: "loc16" or "loc32" for memory or a register, "mem16" or "mem32" for memory only [SPRUEO2A Table 4-1], "reg32"
+        for a register of 32 bits. SP has 16 bits, so it is no operand of a kind with 32 bits.
     """
     if kind.startswith("mem"):
         return field not in REGISTERS

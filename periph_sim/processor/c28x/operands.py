@@ -46,7 +46,7 @@ class Part(NamedTuple):
 
 
 def literal(text: str) -> Part:
-    """Return the part for a literal text."""
+    """Return the `Part` for text that the syntax of a form contains as it is, such as a mnemonic or a comma."""
     return Part(lambda values, at: text, "", None, text)
 
 
@@ -66,7 +66,7 @@ IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"
 
 
 def number_part(token: str, encoding: Encoding) -> Part | None:
-    """Return the part for a number in field c, such as "#16s", "#RC" or "#0..31"; None if the form has no field c."""
+    """Return the `Part` for a number in field c, such as "#16s", "#RC" or "#0..31"; None if the form has no field c."""
     if "c" not in encoding.fields:
         return None
     mask = encoding.fields["c"].mask
@@ -87,7 +87,7 @@ def number_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def shift_part(token: str, encoding: Encoding) -> Part | None:
-    """Return the part for a shift count in field s, such as "#1..16" or "<<2..8"; None if the form has no field s.
+    """Return the `Part` for a shift count in field s, such as "#1..16" or "<<2..8"; None if the form has no field s.
 
     The largest shift count is encoded by ones in all bits of the field.
     """
@@ -104,7 +104,7 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
-    """Return the part for a shift `<<#0..15` in field s, which may be omitted; None if the form has no field s.
+    """Return the `Part` for a shift `<<#0..15` in field s, which may be omitted; None if the form has no field s.
 
     If the shift is omitted in the source line, field s is 0.
     """
@@ -113,7 +113,7 @@ def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def _optional(inner: Part, prefix: str, omitted: dict[str, int], show: Callable[[Values, int], str]) -> Part:
-    """Return a part for `prefix` and then `inner`. Both may be omitted; the field values are then `omitted`."""
+    """Return a `Part` for `prefix` and then `inner`. Both may be omitted; the field values are then `omitted`."""
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         given = text.strip().removeprefix(prefix).strip()
@@ -143,7 +143,7 @@ def _immediate(text: str, evaluate: Evaluate, least: int, most: int) -> int:
 
 
 def branch_part(token: str, encoding: Encoding) -> Part:
-    """Return the part for off8 or off16, the target address of a relative branch."""
+    """Return the `Part` for off8 or off16, the target address of a relative branch."""
     mask = encoding.fields["c"].mask
     half = mask + 1 >> 1
 
@@ -162,7 +162,10 @@ def branch_part(token: str, encoding: Encoding) -> Part:
 
 
 def address_part(page: int) -> Callable[[str, Encoding], Part]:
-    """Return a function that makes the part for an address. Field c has its low 16 bits; `page` has its upper bits."""
+    """Return a function that makes the `Part` for an address. It is called with a token, such as "0:pma", and the form.
+
+    Field c has the low 16 bits of the address. page: its upper bits, which the instruction does not contain.
+    """
 
     def make(token: str, encoding: Encoding) -> Part:
         prefix = token.rstrip("16pmaPA")
@@ -278,13 +281,13 @@ def _operand(token: str, encoding: Encoding) -> Part:
 
 
 def _optional_operand(token: str, encoding: Encoding) -> Part:
-    """Return the part for the operand of NOP, which may be omitted."""
+    """Return the `Part` for the operand of NOP, which may be omitted."""
     inner = _operand("loc16", encoding)
     return _optional(inner, "", {"l": 0}, lambda values, at: inner.show(values, at) if values["l"] else "")
 
 
 def _numbered(prefix: str, field: str, suffix: str = "") -> Part:
-    """Return the part for a register with a number in its name, such as AR3, ARP3 or R3H."""
+    """Return the `Part` for a register with a number in its name, such as AR3, ARP3 or R3H."""
     return Part(
         lambda values, at: f"{prefix}{values[field]}{suffix}",
         rf"{prefix}[0-7]{suffix}",
@@ -300,7 +303,7 @@ def _one_of(field: str, names: Mapping[str, int], shown: Callable[[int], str]) -
 
 
 def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
-    """Return the part for a mask, whose text lists the names of its bits: "NF,ZF". A number stands for unnamed bits.
+    """Return the `Part` for a mask, whose text lists the names of its bits: "NF,ZF". A number stands for unnamed bits.
 
     bits: for each name, the number of its bit.
     """
@@ -321,7 +324,7 @@ def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
 
 
 def _flags_and_values(token: str, encoding: Encoding) -> Part:
-    """Return the part for flags of STF with new values, "RNDF32=1,TF=0". A flag that is not selected is "TF=1?"."""
+    """Return the `Part` for flags of STF with new values, "RNDF32=1,TF=0". A flag that is not selected is "TF=1?"."""
 
     def show(values: Values, at: int) -> str:
         named = {bit: name for name, bit in STF_BITS.items()}

@@ -40,7 +40,7 @@ from .execution.cpu import Operation
 #
 #     NORM after RPT     N + 4 cycles: one for each of N + 1 passes, and three from D2 to E
 #     PWRITE after RPT   N + 5 cycles: one for each of N + 1 passes, and four from D2 to W
-#     POP DP:ST1         5 cycles, from D2 to W, since the new ST1 applies to the next instruction
+#     POP DP:ST1         5 cycles: one, and four from D2 to W, because the new ST1 applies to the next instruction
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
 REGISTERS = 0x3FF  # mask of XAR0 to XAR7, DP and SP

@@ -24,7 +24,7 @@ C2000 = "EM_TI_C2000"
 
 
 def read(data: bytes) -> Image:
-    """Return the image in the data of an ELF file for the C28x. Raise BadImage for data of any other kind."""
+    """Return the image in the data of an executable ELF file for the C28x. Raise BadImage for any other data."""
     try:
         elf = ELFFile(io.BytesIO(data))
         machine = elf["e_machine"]

@@ -95,7 +95,7 @@ def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
 
 
 def members_of(kind: DIE) -> list[str]:
-    """Return the names of the members of a structure; an empty list for other types."""
+    """Return the names of the members of a structure, union or class; an empty list for a type without members."""
     plain = without_qualifiers(kind)
     return [name for name, _ in _members(plain)] if plain is not None else []
 

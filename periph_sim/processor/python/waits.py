@@ -245,11 +245,16 @@ class Waits:
         return spin
 
     def _skip(self, spin: Spin) -> bool:
-        """Sleep through passes with the same result as the present one, and prepare the replay of the pass in progress.
+        """Sleep as long as further passes would have the same result as the pass that has just ended.
 
-        Return True after a sleep if the result of the next pass depends on the values of its reads alone. Otherwise
-        return False. If passes must not be skipped, do not sleep, but store the reads of the present pass in
-        `Spin.last`.
+        Afterwards, time is at the start of the pass during which the CPU was woken. That pass is then replayed: its
+        reads before the wake-up return the values of the pass before the sleep.
+
+        Do not sleep if the pass has made no read, if a read value has changed already, or if a posted write or an
+        interrupt is pending. If passes must not be skipped, do not sleep either, but store the reads in `Spin.last`.
+
+        Return True after a sleep if the result of the next pass depends on the values of its reads alone, so that
+        `_repeats` can execute it. Otherwise return False.
         """
         time, core = self._time, self._cpu.core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:

@@ -127,7 +127,8 @@ class DeviceTable(BusParty, frozen=True, kw_only=True):
 class WatchTable(Table, frozen=True, kw_only=True):
     """Expected edges of a wire, such as that of an LED. Its kind adds keys.
 
-    Each watch is a budget of its name with the measure `watch:NAME`; a missing or wrong edge breaks it.
+    Each watch makes a budget, which has the name of the watch and the measure `watch:NAME`. A missing or wrong edge
+    breaks it.
 
     kind: `"edges"` or `"blink"`
     wire: a name in `pins`

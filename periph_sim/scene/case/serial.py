@@ -136,15 +136,16 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
     """A reply that an SCI must send: exactly one of `text`, `bytes` and `file`, after one of `after_send`, `after` and
     `at`.
 
-    Each entry is a budget of its name with the measure `reply:NAME`. A different or missing reply breaks it. If the
-    reply never becomes due, the budget is not judged.
+    Each entry makes a budget, which has the name of the entry and the measure `reply:NAME`. A different or missing
+    reply breaks it. If the reply never becomes due, the budget is not judged.
 
     name: name, distinct from those of budgets
     from: sending SCI, written as in `to`
     after_send: name of a send. Each time it is sent, a reply is expected. The reply may begin during the send, as an
         echo does; its time counts from the end of the send
-    within: time limit for the end of the last character; takes the place of `max`, also in `--set`. The reply must not
-        be longer than the send and `within` together
+    within: time limit for the end of the last character; takes the place of `max`, also in `--set`. A limit
+        that no reply can keep is rejected: the characters must not take longer than `within`, or, with `after_send`,
+        than the send and `within` together
     anywhere: `true`: other characters may precede the reply
     why: reason, shown with the verdict
     """

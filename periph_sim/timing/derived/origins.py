@@ -152,7 +152,7 @@ class Origins:
         return self._of.get(id(phase))
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """Store a host frame that ended at `tick`."""
+        """Store the host frame with this number, whose last stop bit ended at `tick`. values: its 16-bit integers."""
         raise NotImplementedError
 
     def transfer(self, transfer: Transfer) -> None:

@@ -80,7 +80,7 @@ class ValueTest:
 
 
 class TopicTests:
-    """Tests of whether a record of one topic is an event of a measure, or begins or ends a group with this event.
+    """Tests of whether a record of one topic is an event of a measure, or begins or ends a group of such events.
 
     place: the index of the event in the measure.
     test: the test of whether a record is the event; None if no record of the topic can be the event.

@@ -184,10 +184,13 @@ class Reply(Measure):
         self._judged += occasion.since >= self.not_before
 
     def _refute(self, occasion: _Occasion) -> None:
-        """Mark the budget as broken, because the right reply did not come. Ignore a request before `not_before`.
+        """Mark the budget as broken, because the right reply did not come.
 
-        If a character was wrong, the fault lasts to the end of the last character that came. Otherwise it lasts to the
-        time limit of the reply, or to the next send if that is earlier.
+        Do nothing if the request for this reply ended before `not_before`, from which tick on the budget is judged.
+
+        The fault that the verdict shows begins at the end of the request. If a character was wrong, the fault ends with
+        the last character that came. Otherwise it ends at the time limit of the reply, or at the next send if that is
+        earlier.
         """
         if occasion.since < self.not_before:
             return

@@ -249,7 +249,7 @@ class Modifies(RecordSink):
     def named(self, name: str = "") -> str:
         """Return a phrase with the flags that `cleared` counts, how often each was cleared, and where; "" for none.
 
-        name: as for `cleared`.
+        name: the only flag to name, whether or not firmware had read it; "" for all flags that firmware had not read.
         """
         counts = {what: gone.count for what, gone in self._cleared(name)}
         return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)

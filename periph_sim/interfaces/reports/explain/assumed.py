@@ -43,10 +43,11 @@ def advance(scene: Scene, until: int, spans: Sequence[Span | None]) -> list[tupl
 
 
 def assumed_in(case: Case, result: Result, length: Fraction | None) -> dict[str, tuple[str, ...]]:
-    """Repeat a failed run. Return a dictionary from each broken budget to the options used in its worst occurrence.
+    """Repeat a failed run. Return the undocumented behaviours that the worst occurrence of each broken budget assumes.
 
-    Budgets whose worst occurrence has no instant or is later than LATEST are left out, because a long second run is not
-    worth its time. Return {} if the firmware fails in the second run, or if the run used no such option.
+    The result is a dictionary from the name of a budget to the names of the options for these behaviours. Budgets whose
+    worst occurrence has no instant or is later than LATEST are left out, because a long second run is not worth its
+    time. Return {} if the firmware fails in the second run, or if the run assumed no undocumented behaviour.
 
     length: the duration of the run in seconds; None for the duration that the case states.
     """

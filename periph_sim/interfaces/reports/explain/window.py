@@ -287,7 +287,7 @@ class _Keeper:
             self._before.append(dict(self._seen))
         if self._before:
             begin, end = self._ranges[len(self._before) - 1]
-            if tick < begin:  # a late record, whose tick is before the range
+            if tick < begin:  # this record came after records with later ticks
                 self._before[-1][thing] = record
             elif tick < end:
                 self._records.append(record)

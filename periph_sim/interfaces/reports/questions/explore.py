@@ -62,7 +62,7 @@ class Exploration:
     not_varied: tuple[str, ...]
 
     def count(self, answers: int) -> int:
-        """Return the number of runs with this number of other answers."""
+        """Return how many runs had this number of answers that differ from those of the case as it is: 0, 1 or 2."""
         return sum(len(attempt.answers) == answers for attempt in self.attempts)
 
 

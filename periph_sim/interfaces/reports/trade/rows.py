@@ -132,7 +132,13 @@ def _settings(unit: Unit) -> object:
 
 
 def _computed_in(arithmetic: str, unit: str, settings: object) -> Iterator[str]:
-    """Yield changes that replace the number format of a unit, but not the time that the unit's models take."""
+    """Yield the changes, as "key=value", that make the sensor models of a unit calculate in another number format.
+
+    The computing time of the models stays as it is: if the case estimates it, which depends on the format, the estimate
+    for the present format becomes a fixed time.
+
+    arithmetic: the other format. unit: the name of the unit. settings: the present settings of its firmware.
+    """
     yield f"unit.{unit}.settings.arithmetic={arithmetic}"
     if getattr(settings, "model_cost", None) == "estimate":
         yield f"unit.{unit}.settings.model_cost={getattr(settings, 'run_cost', '')}"

@@ -241,7 +241,8 @@ TITLES = ("row", "budgets agree", "time error", "value error", "CPU s/s", "sprea
 def text(found: Trade, table: Tabulated | None = None) -> Iterator[str]:
     """Yield the lines of the comparison: a header, a table, notes, and the recommended row.
 
-    table: the closed table of the case, as one more row; None for no such row.
+    table: the cost and the error of the case's closed table, which gives the values of budgets for all starts of rounds
+        or frames without a run. They are one more row; None for no such row.
     """
     reference = found.outcomes[0]
     ran, half = duration_text(found.ran_s), duration_text(found.ran_s / 2)

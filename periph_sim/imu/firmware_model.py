@@ -70,7 +70,9 @@ class ImuFirmware:
         return model_codes(self.parameters, self.arithmetic, self.noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
-        """Return the readings that ideal sensors would give during a motion.
+        """Return the readings that the sensors would give during a motion if they had no noise and did not round.
+
+        The readings include the biases and cross-axis sensitivities of the parameters.
 
         first: the instant of the motion, in seconds, that frame 0 describes.
         """

@@ -12,7 +12,8 @@ from . import BadReplay
 
 I2C, UART = ("scl", "sda"), ("rx",)
 ALL = (*I2C, *UART)
-LINES = {line: line for line in ALL}  # each line has one name
+# The argument `lines` of `channels_given`: a dictionary from names of settings to lines. No line has a second name.
+LINES = {line: line for line in ALL}
 
 
 def channel_map(capture: Capture, text: str | None, session: bool = False) -> dict[str, str]:

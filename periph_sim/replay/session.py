@@ -139,7 +139,9 @@ class SessionReplay(I2cReplay):
     # Frames of the host, decoded from RX ---------------------------------------------------------------
 
     def _plan_frames(self) -> None:
-        """Decode RX, and schedule a report of each frame to the scene at the end of the frame's last stop bit.
+        """Decode RX to bytes, and group these to host frames (see the head of this module).
+
+        Each complete host frame is reported to the scene at the end of the last stop bit of its last byte.
 
         RX is decoded in the format `wanted`, or in the format of the SCI if `wanted` is None.
         """

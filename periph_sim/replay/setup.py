@@ -204,7 +204,7 @@ class Played:
 
     @cached_property
     def bit(self) -> float:
-        """The usual length of a bit, in seconds."""
+        """The length of a bit in seconds: the median low time plus the median high time of SCL."""
         return float((self.low + self.high) / self.rate)
 
     def bits(self) -> list[decode.Bit]:

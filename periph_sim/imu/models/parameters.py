@@ -121,7 +121,7 @@ class MagnetometerParameters(SensorParameters, frozen=True):
         with sines and cosines of the inclination only, which gives the values of "four-quadrant". The equations are in
         `chips.Magnetometer`.
     norm: the method for the length of a vector. "squares": the root of the sum of squares, as written in section 4.3.3.
-        "mag": `Arithmetic.mag` of two numbers at a time, whose squares do not overflow in a Q format.
+        "mag": `Arithmetic.mag`, which takes two numbers at a time and squares them without overflow in a Q format.
     """
 
     hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)

@@ -186,7 +186,9 @@ DOUBLE = Library("float64 in software", GUESS, {kind: Cost(*RANGES[kind], GUESS,
 
 
 SYSCLK = 150_000_000  # SYSCLKOUT of the dissertation's board in Hz
-MEASURED = Fraction(250, 1_000_000)  # time in seconds that section 5.4 measured on a GPIO pin, with code in RAM
+# The time in seconds in which the dissertation's firmware computed the models once. Section 5.4 measured it on a GPIO
+# pin, with code in RAM.
+MEASURED = Fraction(250, 1_000_000)
 
 
 class Estimate(Struct, frozen=True):

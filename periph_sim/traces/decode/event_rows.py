@@ -183,9 +183,11 @@ def refusals(rows: Rows) -> NDArray[np.bool_]:
 def chosen(rows: Rows, first: NDArray[np.int64], addresses: Collection[int], refused: bool, most: int | None) -> Rows:
     """Return the rows of some transfers in order of time.
 
-    rows, first: grouped rows, and the numbers of the rows with which transfers begin.
+    rows, first: rows in which those of each transfer are contiguous, and the number of the first row of each transfer,
+        both as `grouped` returns them.
     addresses: only transfers with at least one of these addresses are returned; empty if addresses do not matter.
-    refused: True to return only transfers with a row of `refusals`.
+    refused: True to return only transfers with a NACK of a target (`refusals`), not those in which only the controller
+        sends a NACK to end a read.
     most: the maximum number of transfers; only the first ones are returned. None for all. A transfer on an SPI bus
         counts once, although each of its data lines has rows of this transfer.
     """

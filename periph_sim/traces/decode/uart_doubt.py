@@ -42,11 +42,11 @@ BETTER = 0.25  # maximum share of misread frames at the other rate, relative to 
 OFF_GRID = 0.3
 FARTHEST = 0.45  # upper limit, in bits, of OFF_GRID plus half a sample; it matters if there are few samples per bit
 LIKELY = 0.3  # minimum certainty of the guessed rate (`Guess.sure`)
-# If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. At the right rate,
-# all pulses can be so long, too. But then a low pulse of a frame has at most ten bits, and at a quarter of the rate
-# only pulses of four and eight bits have whole numbers of bits. So if the pulses have more than two lengths at the
-# other rate, the stated rate is wrong. If the stated rate is a fraction of the true rate, most low pulses are shorter
-# than SHORTER bits, and one frame at the stated rate contains many of them.
+# If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. This can also occur
+# if the stated rate is right. But then a low pulse of a frame has at most ten bits, and at a quarter of the stated
+# rate, only pulses of four and eight bits would still have whole numbers of bits. So if the pulses have more than two
+# lengths at the guessed lower rate, the stated rate is wrong. If the stated rate is a fraction of the true rate, most
+# low pulses are shorter than SHORTER bits, and one frame at the stated rate contains many of them.
 LONGER, SHORTER = 3.5, 0.5
 # The rate is doubtful if at most the share NEARLY_NONE of the low pulses is shorter than LONGER bits, or at least the
 # share MOST is shorter than SHORTER bits.

@@ -151,7 +151,10 @@ def shape(group: Group) -> tuple[str, ...]:
 
 
 def class_of(kind: str) -> str:
-    """Return the class of a kind of event. Events of the same class can be paired as changed."""
+    """Return the class of a kind of event, such as "ACK" for ACK and NACK.
+
+    Events of the same class can be paired as changed.
+    """
     return CLASSES.get(kind, kind)
 
 
@@ -224,7 +227,10 @@ class Pairing:
 
 
 def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
-    """Pair events that are not equal, in order. Events of the same class are paired; others are paired with None."""
+    """Pair events that are not equal, in order.
+
+    Events whose kinds have the same class (`class_of`), such as ACK and NACK, are paired; others are paired with None.
+    """
     classes = align(*numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
     for run, left, right in _between(classes, a, b):
         yield from ((event, None) for event in left)

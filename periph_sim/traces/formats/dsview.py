@@ -39,7 +39,10 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture; `rate` overrides the file's samplerate.
 
-    Raise BadCapture if zip, header or blocks are broken.
+    salvage: True to keep the intact samples of a damaged file. Notes of the capture say what was left out.
+
+    Raise BadCapture if the file is no zip archive, if the header is broken, or if no sample can be read; also for any
+    other damage, unless `salvage` is True.
     """
     with path.open("rb") as file:
         archive = Archive(path, file, WHAT, salvage)

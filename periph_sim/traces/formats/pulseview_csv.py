@@ -61,6 +61,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture. `rate` overrides the rate that the file states; times are converted to samples of this rate.
 
+    salvage: True to keep the rows before the first wrong row. A note of the capture says what was left out.
+
     Raise BadCapture with the line of an error.
     """
     with path.open(encoding="utf-8-sig", errors="replace") as file:

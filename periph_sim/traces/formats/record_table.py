@@ -56,7 +56,7 @@ TOPIC = TABLES[:3]
 class Topics(NamedTuple):
     """The topics that occur in a table. A topic is a combination of kind, where and what.
 
-    indices: for each topic, the three indices of kind, where and what into `names`.
+    indices: for each topic, its three indices into the strings of kind, of where and of what (`RecordTable.names`).
     row: for each row of the table, the number of its topic.
     """
 

@@ -67,6 +67,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture of one file, or of all `digital_N.bin` of a folder.
 
+    salvage: True to keep the levels before a damaged place. Notes of the capture say what was left out.
+
     Raise BadCapture with the file and place of an error.
     """
     files = _files(path) if path.is_dir() else {_number(path) or 0: path}

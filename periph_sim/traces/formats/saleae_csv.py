@@ -42,6 +42,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture in samples of `rate` or, without a rate, in ticks of the time stamps.
 
+    salvage: True to keep the rows before the first wrong row. A note of the capture says what was left out.
+
     Raise BadCapture with the line of an error.
     """
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:

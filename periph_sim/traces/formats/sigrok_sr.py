@@ -62,7 +62,10 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture; `rate` overrides the file's samplerate.
 
-    Raise BadCapture if zip, metadata or samples are broken, or if there are no samples.
+    salvage: True to read what is intact in a damaged file. Notes of the capture say what was left out or may be wrong.
+
+    Raise BadCapture if the file is no zip archive, if the metadata are broken, or if no sample can be read; also for
+    any other damage, unless `salvage` is True.
     """
     with path.open("rb") as file:
         archive = Archive(path, file, WHAT, salvage)

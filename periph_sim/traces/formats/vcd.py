@@ -134,6 +134,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture in ticks of the file's timescale, or in samples of `rate` if it is given.
 
+    salvage: True to keep the changes before an error. A note of the capture says what was left out.
+
     Raise BadCapture with the line of an error.
     """
     with path.open("rb") as file:

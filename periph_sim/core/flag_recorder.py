@@ -1,6 +1,6 @@
-"""Recorder of register fields: it reads a chip's registers after each input, and records the changed fields.
+"""Recorder of register fields: it reads a chip's registers when they may have changed, and records the changed fields.
 
-An input takes effect some cycles after it was given. The cause of a change is the input that took effect last.
+An input may take effect some cycles after it was given. The cause of a change is the input that took effect last.
 """
 
 # core: compiled

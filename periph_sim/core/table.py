@@ -58,7 +58,8 @@ class Table(Struct, frozen=True, kw_only=True):
 def separate(value: Any) -> Any:
     """Return a copy whose dicts and lists are not shared with the original.
 
-    Tuples and tables are copied if they contain a dict or list. Values of all other types are shared.
+    A tuple or an object of a `Table` class is copied if it contains a dict or list at any depth. Values of all other
+    types are shared.
     """
     kind = type(value)
     if kind in PLAIN:

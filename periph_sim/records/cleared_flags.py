@@ -148,7 +148,7 @@ class FieldReads:
         self._reads: list[FieldRead] = []
 
     def add(self, field: Text, number: int) -> None:
-        """Store a read of a field as the last read of this field."""
+        """Store a read as the last read of a field. number: the number of the record of the read."""
         read: FieldRead
         for read in self._reads:
             if read.field is field:
@@ -171,12 +171,12 @@ class FieldReads:
 class ModifiesOfPlace:
     """The read-modify-writes of one register at one place in the firmware.
 
-    flags: one entry for each flag of the register, in the order of `ClearedRegister.flags`.
+    flags: the effects on each flag of the register, in the order of `ClearedRegister.flags`.
     count: number of read-modify-writes.
     proven: mask of the bits that were at least once written as 1 although they had been read as 0. The firmware
         certainly intended to clear them.
     always: mask of the bits that every write set to 1.
-    last_reads: for each field that these read-modify-writes assign, their last read of the register.
+    last_reads: for each assigned field, the last read of the register by a read-modify-write that assigns this field.
     named: names of the fields that the statements at this place assign; empty if they assign the whole register.
     """
 

@@ -72,13 +72,14 @@ class LostFlag:
     """One flag in the read-modify-writes of one place.
 
     rose: number of times that the flag rose between the read and the write.
-    lost_between: number of times that the flag rose between the read and the write, and the write cleared it.
+    lost_between: number of the times in `rose` at which the write cleared the flag.
     along: number of times that the read returned the flag as 1 and the write cleared it, although the firmware intended
         to clear only other flags.
     unseen: number of the times in `along` at which the firmware had not read the flag since its last rise. A read of
         another field does not count as a read of the flag, nor does a read by the read-modify-writes of this place.
-    lost: the ticks at which the flag was cleared although the firmware had not read it since its last rise, in order.
-    cleared: the ticks at which the flag was cleared unintentionally, whether the firmware had read it or not.
+    lost: the ticks of the writes that `lost_between` and `unseen` count, in order.
+    cleared: the ticks of the writes that `lost_between` and `along` count, in order. These are all writes that cleared
+        the flag unintentionally, whether the firmware had read it or not.
     """
 
     flag: str

@@ -48,7 +48,7 @@ class FilteredBus:
         self.scl_moved = now
         self._filter = filter
         self._lines = IDLE
-        # The level of SCL before the present level; levels that were shorter than the filter time do not count.
+        # The latest earlier level of SCL that lasted for the filter time. After a spike it equals the present level.
         self._scl_seen = SCL
         self._sda_moved = -filter
         self._sda_event = NOTHING  # the last change of SDA, classified as START, STOP or NOTHING

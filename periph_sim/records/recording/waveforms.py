@@ -87,7 +87,8 @@ class Signal:
 class WaveformWriter(RecordingWriter):
     """Base of the waveform formats, which are written when the run is over.
 
-    `write` adds a record to the signals of the run; `signals`, `lines` and `bits` return the signals.
+    `write` adds a record to the signals of the run. `signals` returns all signals, and `bits` returns them as a capture
+    with a channel for each bit. `lines` returns a capture of the signals of one bit, without fields of registers.
     """
 
     KINDS: ClassVar[Iterable[Kind]] = KINDS

@@ -86,7 +86,10 @@ class SensorHead(Agent):
         return self._round is None
 
     def start_round(self, tick: int) -> None:
-        """Schedule one more round after all rounds of the schedule, which must have a list of starts."""
+        """Schedule one more round, at `tick`.
+
+        The schedule must be a list of starts (`Schedule.starts`), and all earlier rounds must have been due.
+        """
         self._due = tick
         self._kernel.schedule(tick, self, ROUND)
 

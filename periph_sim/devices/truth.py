@@ -3,10 +3,14 @@
     frames of the host --LineBetweenFrames----> Truth --> the measure "value error"
     motion --------------FirmwareModel.truth--> Truth
 
-Times are seconds from the instant at which the host's first frame is due. If firmware copies the values of frames to
-the registers, the truth is a straight line from each frame's values to the next. If firmware computes the registers
-with a model of the chips, `scene.unit.FirmwareModel` describes this model. Its method `truth` computes from the motion
-what ideal chips would measure.
+The chips are emulated by the firmware of a unit, which receives frames from the host. There are two kinds of firmware:
+
+- It copies the values of frames to the registers. The truth is then a straight line from each frame's values to the
+  next.
+- It computes the registers from the motion that the frames describe. The truth is then what ideal chips would measure
+  during this motion (`scene.unit.FirmwareModel.truth`).
+
+Times are seconds from the instant at which the host's first frame is due.
 """
 
 from __future__ import annotations

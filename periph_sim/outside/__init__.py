@@ -45,6 +45,9 @@ def replay(
 ) -> Result:
     """Run the case with the moves of lines in a log. The run has the same records as the session that wrote the log.
 
+    subscribe: a function that is called with the recorder and the timebase, and can subscribe to records.
+    programs: by the name of a unit, a Python function that runs in place of the unit's firmware in the case.
+
     Raise OutsideError if the log cannot be read or is damaged, or if a tick of the log has another length than a tick
     of the case; BadCase as in a `Session`.
     """

@@ -34,9 +34,12 @@ class Master:
         other half.
     held: True between two calls of a transfer, while this controller holds SCL low.
 
-    Raise OutsideError if SDA and SCL do not lead outside, if an argument is invalid, if calls are made in the wrong
-    order, if others hold SDA low at a START or STOP, or a line for more than 25 ms, or if another controller wins the
-    bus (ArbitrationLost).
+    The constructor raises OutsideError if SDA or SCL does not lead outside. Methods raise it in these cases:
+
+    - an argument is invalid, or calls are made in the wrong order
+    - another party holds SDA low at a START or STOP
+    - another party holds SDA or SCL low for more than 25 ms
+    - another controller wins the bus (`ArbitrationLost`)
     """
 
     _reads: bool  # True if the present transfer reads; valid while `held` is True

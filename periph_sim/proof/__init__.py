@@ -61,16 +61,18 @@ Closed table of a case with rounds and frames, which can overlap:
                          X======== routine                                     the service routine of the SCI
 
 group: a round, a frame, or both, from one rest to the next. Each entry of such a table runs a group. It consists of the
-    tick R of the orbit, and the *distance* from R to the cell of X. Pages and messages call a group a *meeting*.
+    tick R of the orbit, and the *distance* from R to the cell of frames with X. Pages and messages call it a *meeting*.
 alone: a round alone is a group without a frame, and a frame alone is a group without a round.
-cell of frames: the starts from one sample of the SCI to the next. Frames that start in one cell are received at the
-    same instant, so they count as one frame. The *offset* of a frame is its distance from the first tick of its cell.
+cell of frames: the starts from one sample of the SCI to the next. Frames that start in one such cell are received
+    at the same instant, so they count as one frame. The *offset* of a frame is its distance from the first tick of its
+    cell of frames.
 own period: the period of an orbit without the state of the SCI. Rounds are distinguished by R modulo this period.
 wait: a time in which the firmware repeats equal passes of a loop, for instance until a flag is set. Code also calls
     it a sleep.
 cell of groups: groups whose routine comes at the same tick of a pass, in different passes of one wait. Their effects
     are equal, so only the first and the last group are run.
 alike: two runs of groups are alike if they lead to the same place and have the same digests of records.
+task: a group to run, with its orbit, the offset of its frame and, for a check, a wait (`pair_run.Task`).
 known: what earlier runs of the table have found: orbits, cells of frames and ways (`pair_run.Known`).
 
 A coverage proves nothing about other phases or states: each round begins in the state that its run happens to have

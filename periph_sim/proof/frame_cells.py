@@ -1,7 +1,7 @@
 """Search for the cells of frames: ranges of starts of frames that the SCI receives at the same instant.
 
 start of a frame alone   t  t+1  t+2  t+3 ...
-effects                  A   A    B    B        a cell begins at t+2
+effects                  A   A    B    B        a cell of frames begins at t+2
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ MOST_AWAY = 40  # an orbit is given up after this number of frames that start fr
 
 
 def find_cells(runner: GroupRunner) -> Cells:
-    """Run frames alone, one for each start in a period of the SCI's samples, and return the cells.
+    """Run frames alone, one for each start in a period of the SCI's samples. Return the cells of frames.
 
-    Within a period, the effects change at one tick, at which a cell begins. Raise NotClosed if they change more often.
+    Within a period, the effects change at one tick, at which a cell of frames begins. Raise NotClosed if they change
+    more often.
     """
     run, records, cycle = runner.run, runner.records, runner.cycle
     period = runner.sci_period() * cycle
@@ -44,7 +45,7 @@ def find_cells(runner: GroupRunner) -> Cells:
     steps = [n for n in range(1, period) if seen[n] != seen[n - 1]]
     if len(steps) > 1:
         raise NotClosed(f"frames of one period of the SCI's samples are received in {len(steps) + 1} ways")
-    step = steps[0] if steps else 0  # without a change, a cell begins at the first of these ticks
+    step = steps[0] if steps else 0  # without a change, a cell of frames begins at the first of these ticks
     entered = [seen[-1][0] - step, seen[0][0] - step + (period if steps else 0)]
     left = [seen[-1][1] - step, seen[0][1] - step + (period if steps else 0)]
     return Cells((orbit.origin + step) % period, period, min(entered), max(left))

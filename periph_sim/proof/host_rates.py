@@ -3,10 +3,10 @@
     rates from -100 to 100 ppm --rate_runs--> each sequence of samples that an SCI can take of a frame
     a frame with such a sequence, run alone --> like a frame of the table, some samples earlier or later
 
-An SCI receives of a frame only the samples of its line. At another rate, an edge of the frame moves by up to a few
-ticks, so few edges move from one side of a sample to the other. Therefore, a range of rates has far fewer sequences of
-samples than rates and starts. Each sequence is run at one rate, with the earliest and the latest start between two
-samples that gives it there.
+An SCI receives of a frame only the levels that it samples, a *sequence of samples*. At another rate, an edge of the
+frame moves by up to a few ticks, so few edges move from one side of a sample to the other. Therefore, a range of rates
+has far fewer sequences of samples than rates and starts. Each sequence is run at one rate, with the earliest and the
+latest start between two samples that gives it there.
 
 Each of these runs must be like a frame of the table: the service routine comes at the same instant, with the same data.
 The rest of the scene notices nothing else of a frame (`GroupRunner.check_frame`). So a round with such a frame is like
@@ -42,13 +42,14 @@ RatePlan = list[tuple[Fraction, tuple[tuple[int, int], ...]]]
 
 
 class RateTask(Struct, frozen=True):
-    """Frames to run at one rate of the host.
+    """The frames and groups to run at one rate of the host.
 
     error: the value of `host.error`, in percent.
-    starts: for each sequence of samples, the least and the greatest offset of frames that have it.
-    frames: for each orbit, some frames alone of the table. With each of `starts`, one of them is run.
+    starts: for each sequence of levels that an SCI can sample of a frame, the least and the greatest offset of the
+        frame with which the SCI samples it.
+    frames: for each orbit, some frames alone of the table. Three of them are run for each sequence in `starts`.
     groups: for each orbit, some groups of the table that have a round and a frame.
-    count: the number of these groups that are run, each with an offset that has one of the sequences.
+    count: the number of these groups that are run, each with an offset for one of the sequences.
     """
 
     error: Fraction
@@ -128,7 +129,7 @@ def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> Ra
     last = (len(data) - 1) * (line.length + host.gap)
     if not 0 <= delay - (last + line.length - 1) * bit <= 2 * bit:
         raise NotClosed("the interrupt of the SCI is not requested with the last character of a frame")
-    # The last character of a frame starts at a sample if the frame starts at the beginning of a cell.
+    # The last character of a frame starts at a sample if the frame starts at the beginning of a cell of frames.
     shift = floor(last * bit) % cells.period
     first = (scene.start + covered.phases.first_starts()["frames"] - cells.first - shift) % cells.period
     bits = bit / (1 + within / 10**6), bit / (1 - within / 10**6)

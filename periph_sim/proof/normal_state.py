@@ -46,13 +46,15 @@ class NotComparable(Exception):
 
 
 class AttributePlan(NamedTuple):
-    """The way in which the attributes of the objects of a class are collected.
+    """How the attributes of the objects of a class are collected for the normal state.
 
-    kind: the name of the class. state: its declared state. normalises: True if it has a method `normal_state`.
-    names: the attributes that are stored as they are, if their values are plain.
+    kind: the name of the class.
+    state: the `State` object in which the class lists its attributes.
+    normalises: True if the class has a method `normal_state`.
+    names: the attributes that are stored unchanged, if their values are plain.
     values: a function that returns the values of `names` for an object.
-    others: the other attributes of the normal state, each with the unit of its instants, and True if it is collected
-        with `NormalCollector.collect`, False if with `NormalCollector._value`.
+    others: the other attributes, each as (name, unit of its instants, is special). Special attributes are listed in
+        `state.grids`, `expires` or `chains`, and `NormalCollector.collect` collects them; `_value` collects the others.
     """
 
     kind: str

@@ -6,9 +6,9 @@
     some of both                                              no: the routine moves relative to the rest
     variables, reads, RX, RXFFST                              no: a frame can move them
 
-Of a cell, only the first and the last group are run, so a budget is judged only if its values are equal for all groups
-of the cell: if all its events are in the first line, or all are in the second one. `GroupDigest` has the writes, bus
-events and interrupts of the rest of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
+Of a cell of groups, only the first and the last group are run, so a budget is judged only if its values are equal for
+all groups of it: if all its events are in the first line, or all are in the second one. `GroupDigest` has the writes,
+bus events and interrupts of the rest of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
 
 The glossary in `periph_sim.proof` has the terms.
 """

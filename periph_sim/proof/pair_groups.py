@@ -30,8 +30,8 @@ class Group(NamedTuple):
     """A round, a frame, or both, that start from an orbit.
 
     round: the tick of the orbit at which the round starts, modulo the own period; None for a frame alone.
-    frame: the distance in ticks from the start of the round to the first tick of the frame's cell; None for a round
-        alone. For a frame alone, it is the tick of the orbit at which the cell begins.
+    frame: the distance in ticks from the start of the round to the first tick of the cell of frames; None for a
+        round alone. For a frame alone, it is the tick of the orbit at which the cell of frames begins.
     """
 
     round: int | None
@@ -45,7 +45,7 @@ class GroupRun(NamedTuple):
     shift: the distance between the two orbits, in ticks: t - s - n modulo the new period, if the group starts at tick s
         of the old orbit, and the scene rests n ticks later at tick t of the new orbit. It does not depend on n.
     main: the digest of all records but those of the service routine. routine: the digest of the routine.
-    delay: the ticks from the beginning of the frame's cell to the interrupt request of the SCI; 0 for a round alone.
+    delay: the ticks from the beginning of the cell of frames to the interrupt request of the SCI; 0 for a round alone.
     length: the ticks from the first start to the rest.
     within: True if the service routine ran in the wait that was given to `run_group`, and the wait then went on; also
         True if no wait was given.
@@ -83,8 +83,8 @@ class Cells(NamedTuple):
 
     period: the number of ticks of a cell, which is the period of the SCI's samples.
     first: the tick at which a cell begins, modulo `period`.
-    begins: the least number of ticks from the beginning of a frame's cell to the entry into the service routine.
-    ends: the greatest number of ticks from the beginning of a frame's cell to the end of the service routine.
+    begins: the least number of ticks from the beginning of a cell of frames to the entry into the service routine.
+    ends: the greatest number of ticks from the beginning of a cell of frames to the end of the service routine.
     """
 
     first: int
@@ -129,11 +129,11 @@ class Orbits:
 
 
 class GroupRunner:
-    """A run that makes groups, one after the other.
+    """A run of the case with many groups, one after the other.
 
     records: the digests of the last group.
     at: the present place of rest: the number of its orbit, and the cycle in the orbit.
-    first_noticed: what the firmware notices of the first frame beside its service routine, as text; "" for nothing.
+    first_noticed: what the firmware notices of the case's first frame, apart from the service routine; "" for nothing.
     """
 
     def __init__(
@@ -178,8 +178,8 @@ class GroupRunner:
     def run_group(self, group: Group, offset: int = 0, sleep: Sleep | None = None) -> GroupRun:
         """Run a group from the present place.
 
-        offset: the start of the frame, counted in ticks from the beginning of its cell. In `host_rates`, it can be
-            negative or beyond the end of the cell.
+        offset: the start of the frame, counted in ticks from the beginning of its cell of frames. In `host_rates`, it
+            can be negative or beyond the end of this cell.
         sleep: the wait in which the service routine must come, and which must then go on (`GroupRun.within`); None to
             check nothing.
         """
@@ -298,7 +298,7 @@ class GroupRunner:
         """Return the ticks of an orbit at which the round of a group can start.
 
         tick: the tick of the round modulo the own period. One tick in each own period is tried.
-        frame: the distance of the frame. The result has only ticks for which a cell begins at this distance.
+        frame: the distance of the frame. At this distance from each tick of the result, a cell of frames begins.
         """
         assert self.cells is not None
         first, period = orbit.origin + frame - self.cells.first, self.cells.period
@@ -308,8 +308,8 @@ class GroupRunner:
     def like(self, group: Group) -> Group:
         """Return the group of the present orbit that is most similar to `group`, a group of another orbit.
 
-        The cells begin at other ticks of the present orbit. So the value of `frame` is increased to the next distance
-        at which a cell begins. The value of `round` does not change.
+        The cells of frames begin at other ticks of the present orbit. So the value of `frame` is increased to the next
+        distance at which such a cell begins. The value of `round` does not change.
         """
         orbit = self.orbits.known[self.at[0]]
         if group.frame is None:

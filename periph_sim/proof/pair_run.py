@@ -1,6 +1,6 @@
 """Runs of groups, in this process or in others. The glossary in `periph_sim.proof` has the terms.
 
-    tasks: groups --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
+    tasks --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
 
 A run of a scene makes many groups, one after the other.
 """
@@ -34,7 +34,7 @@ class Task(NamedTuple):
     """A group to run.
 
     orbit: the number of the orbit from which it starts.
-    offset: the start of the frame, counted in ticks from the beginning of its cell.
+    offset: the start of the frame, counted in ticks from the beginning of its cell of frames.
     sleep: the wait in which the service routine must come, and which must then go on; None to check nothing.
     """
 

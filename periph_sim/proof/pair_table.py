@@ -1,17 +1,15 @@
 """Closed table of a case with rounds and frames. The glossary in `periph_sim.proof` has the terms.
 
     orbit --> rounds and frames alone --> waits in a round --> groups: one by one near the ends of waits,
-                                                               first and last of each cell within a wait
+                                                               first and last of each cell of groups
 
 The entries of this table are groups. A frame affects the rest of the scene only by the service routine of the SCI,
-which runs at a fixed time after the beginning of the frame's cell. So two runs of one group are alike.
+which runs at a fixed time after the beginning of the cell of frames. So two runs of one group are alike.
 
 If the routine runs in a wait, the wait then goes on as before, only with later passes. So all groups whose routine
 begins at the same tick of a pass of this wait are alike: they are a cell of groups. Only its first and its last group
-are run, and must be alike. Groups that are in no cell are run one by one. Random groups, also from the middle of cells,
-are run again after other groups.
-
-In this file, a *cell* is a cell of groups, unless it is said to be a frame's.
+are run, and must be alike. Groups that are in no cell of groups are run one by one. Random groups, also from the middle
+of cells of groups, are run again after other groups.
 """
 
 from __future__ import annotations
@@ -38,11 +36,11 @@ from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges
 from .pair_run import CHUNK, STARTS, Done, Known, PairRun, Task, alone, run_tasks
 from .stretch import CoveredCase, Job
 
-MOST_SHRINKS = 32  # maximum number of times that a cell is made smaller because its first and last group are not alike
+MOST_SHRINKS = 32  # maximum number of times that a cell of groups is made smaller because its ends are not alike
 TIMED = 400  # number of random groups that are run first, to find most orbits and to estimate the CPU time
 CALLS = 64  # maximum number of calls of `run_tasks` that are made at the same time
 OTHER_REST = "the firmware reaches a state of rest that is not in the table"
-NEAR_ENDS = 2  # of the groups to run again, one in NEAR_ENDS is any group of a cell, the others were run
+NEAR_ENDS = 2  # of the groups to run again, one in NEAR_ENDS is any group of a cell of groups, the others were run
 
 
 class Cell(NamedTuple):
@@ -66,7 +64,7 @@ class Cell(NamedTuple):
         return (self.last - self.first) // self.step + 1
 
     def shrunk(self) -> Cell:
-        """Return this cell without its first and its last group."""
+        """Return this cell of groups without its first and its last group."""
         return self._replace(first=self.first + self.step, last=self.last - self.step)
 
 
@@ -175,9 +173,9 @@ class PairMaker:
         self._on_estimate(self._expected, self._seconds * groups + self._scene_seconds * scenes)
 
     def _close(self, numbers: Sequence[int]) -> None:
-        """Run all entries of these orbits: groups in no cell, and of each cell of groups the first and the last one.
+        """Run the groups from these orbits: those in no cell of groups, and the first and last one of each such cell.
 
-        If these two are not alike, they become groups in no cell, and the next two groups of the cell are run.
+        If these two are not alike, they are removed from the cell of groups, and its new first and last one are run.
         """
         pair = PairRun(self.covered, self._ignored, self.known)
         waits = {number: self.find_waits(pair, number) for number in numbers}
@@ -220,7 +218,7 @@ class PairMaker:
             self.table.again = len(known)
 
     def random_groups(self, number: int | None = None, is_alone: bool | None = None) -> Iterator[KnownGroup]:
-        """Yield random groups of the table, without end, in turn one of a cell and one that was run.
+        """Yield random groups of the table, without end: in turn any group of a cell of groups, and one that was run.
 
         number: the number of the orbit from which they start; None for all orbits.
         is_alone: True for frames alone, False for groups with a round and a frame, None for all groups.
@@ -256,7 +254,7 @@ class PairMaker:
         return [cycle * self._cycle + place for cycle in range(self._orbits.own) for place in self._places]
 
     def _most_offset(self, group: Group) -> int:
-        """Return the offset of the last tick in a frame's cell; 0 for a round alone."""
+        """Return the offset of the last tick in a cell of frames; 0 for a round alone."""
         return 0 if group.frame is None else self._frames.period - 1
 
     def find_waits(self, pair: PairRun, number: int) -> dict[int, list[Sleep]]:
@@ -268,9 +266,9 @@ class PairMaker:
         return waits
 
     def tasks(self, number: int, waits: Mapping[int, Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
-        """Return the groups with a round and a frame to run from orbit `number`, and the cells of this orbit.
+        """Return tasks for groups with a round and a frame from orbit `number`, and the cells of groups of this orbit.
 
-        Of each cell, only the first and the last group are to be run. waits: as `find_waits` returns them.
+        Of each cell of groups, only the first and the last group have a task. waits: as `find_waits` returns them.
         """
         tasks: list[Task] = []
         cells: list[Cell] = []
@@ -282,7 +280,7 @@ class PairMaker:
         for tick, sleeps in waits.items():
             first = least + (frames.first - orbit.origin - tick - least) % step
             distances = range(first, most + 1, step)
-            near = 0  # index of the first distance that no task or cell has yet
+            near = 0  # index of the first distance that has neither a task nor a cell of groups yet
             for low, high, sleep in far_ranges(sleeps, frames, self._cycle):
                 apart = sleep.period * step // gcd(sleep.period, step)
                 begin = max(near, -(-(low - first) // step))
@@ -299,17 +297,17 @@ class PairMaker:
         return tasks, cells
 
     def _ends(self, cell: Cell) -> tuple[Task, Task]:
-        """Return the first group of a cell, with offset 0, and the last one, with the greatest offset of a frame."""
+        """Return tasks for the first of a cell of groups, with offset 0, and for the last, with the greatest offset."""
         first, last = (Group(cell.round, frame) for frame in (cell.first, cell.last))
         return Task(cell.orbit, first, 0, cell.sleep), Task(cell.orbit, last, self._frames.period - 1, cell.sleep)
 
     def _near(self, orbit: int, tick: int, distances: range) -> Iterator[Task]:
-        """Yield the groups with these distances. The offset of the frame is in turn 0 and the greatest one."""
+        """Yield tasks for groups with these distances. The offset of the frame is in turn 0 and the greatest one."""
         for number, distance in enumerate(distances):
             yield Task(orbit, Group(tick, distance), self._frames.period - 1 if number % 2 else 0, None)
 
     def _is_cell(self, cell: Cell) -> bool:
-        """Return True if the first and the last group of a cell are alike, and stay in the wait."""
+        """Return True if the first and the last one of a cell of groups are alike, and stay in the wait."""
         first, last = self._of(cell, cell.first), self._of(cell, cell.last)
         return first.within and last.within and first.is_like(last)
 

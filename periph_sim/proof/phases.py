@@ -54,14 +54,15 @@ class Phases:
     """The phases of one case. Raise BadCase if its starts cannot be moved (see `moved_starts`).
 
     rounds: the number of moved starts in a run with one phase alone.
-    start_up: True to move the first start through the start-up, instead of all starts through a period.
+    start_up: False for moved starts after the start-up, each at its phase in a period. True for a first moved start at
+        its phase in the start-up; the other starts follow it at distances of a period.
     moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
     cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
     count: the number of phases: the cycles in a period; with `start_up` and a controller, those before the first round.
     first_start: the tick at which the first start is due, counted from the start of the run.
     jitter: the largest delay of a moved start in the case, in ticks; 0 without jitter.
-    warm_up: the number of periods before the first moved start, which comes after the time `after` of each budget. With
-        `start_up`, the first start comes earlier, and a run has `warm_up` more starts instead.
+    warm_up: if `start_up` is False, the number of periods before the first moved start, so that it comes after the time
+        `after` of each budget; if it is True, the number of starts that are added at the end of a run.
     """
 
     def __init__(self, plan: ScenePlan, start_up: bool = False, rounds: int = ROUNDS) -> None:

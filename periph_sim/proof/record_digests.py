@@ -74,7 +74,7 @@ class GroupDigest(RoundDigest):
     routine: the digest of the accesses of the routine.
     services: the number of times that the routine was entered since the start of the group.
     entered, left: the ticks at which the routine was last entered and last left.
-    accessed_since: the texts of the accesses of the main program, and of other interrupts, since then.
+    accessed_since: the texts of the accesses of the main program, and of other interrupts, since the routine was left.
     noticed: the first thing by which the firmware can notice more of a frame than the instant of the routine, such as
         "it sends: ..."; "" if there was none in the run.
     """

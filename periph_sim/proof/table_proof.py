@@ -126,7 +126,7 @@ class TableProof(NamedTuple):
 
     @property
     def entry_count(self) -> int:
-        """The number of entries of all tables, also of the groups in cells that are not run."""
+        """The number of entries of all tables, including the groups within cells of groups, which are not run."""
         return max(self.entries, sum(sum(part.table.orbits) for part in self.parts))
 
     @property

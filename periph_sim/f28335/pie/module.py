@@ -208,7 +208,10 @@ class Pie(Chip):
                 self._send(g)
 
     def _level_sensitive(self, g: int) -> bool:
-        """Return True if a line of group g + 1 is held, and held lines set their PIEIFR bits again at once."""
+        """Return True if a line of group g + 1 is held active, and sets its PIEIFR bit again as soon as it is cleared.
+
+        The option `pie_held_line` determines when held lines set their bits again.
+        """
         if not self._lines_held[g]:
             return False
         return self._options.pie_held_line.assume(self.touched) == "at_vector_fetch"

@@ -206,7 +206,7 @@ class SciRxBits:
                 return
 
     def _wait_for_high(self) -> None:
-        """End a complete break: drop a frame in progress, and accept no start bit before a high level."""
+        """After a break was detected, drop a frame in progress, and accept no start bit until the line was high."""
         self._drop(self._break_at)
         self._break_at = FAR
         self.framed = False

@@ -320,7 +320,7 @@ def test_most_changes_are_accepted(folder: Path) -> None:
 
 @pytest.mark.parametrize("name", FILES)
 def test_the_cases_have_records(name: str, prepared: dict[str, PreparedScene]) -> None:
-    assert int(outcome(partial(prepared[name].scene, ())).split()[0]) > 30
+    assert int(outcome(partial(prepared[name].scene, ())).split()[0]) > 25
 
 
 # Runs in any order --------------------------------------------------------------

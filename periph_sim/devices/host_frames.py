@@ -32,8 +32,9 @@ class FrameSource(Protocol):
 class HostFrames(Protocol):
     """The Python module that defines the frames of a [host].
 
-    FRAME_BYTES: the length of a frame.
-    PARTS: for the name of each part of a frame, such as "angles", the slice of the frame that has its three values.
+    FRAME_BYTES: the number of bytes of a frame.
+    PARTS: for the name of each part of a frame, such as "angles", the slice of the tuple of values (not of the bytes)
+        that has the three values of this part.
     ADDRESSES: the I2C addresses that `data` accepts.
     """
 

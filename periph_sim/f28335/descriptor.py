@@ -191,7 +191,7 @@ class Part(Struct, frozen=True, dict=True):
 
     @cached_property
     def selectable(self) -> tuple[str, ...]:
-        """Names of the modules that a case can select for a unit."""
+        """Names of the modules that a unit has only if its key `modules` in the case names them."""
         return tuple(one.name for one in self.modules if one.chip)
 
     @cached_property

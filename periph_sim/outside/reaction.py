@@ -76,7 +76,8 @@ class Reaction:
         self._routers: list[Router] = []  # pin routers whose synchronised pads listen to the lines
         self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
-        self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
+        # Two lists for each module in `_modules`: the list of its SCL pins, followed by the list of its SDA pins.
+        self._pins: list[list[Pin]] = []
         self._scl = self._sda = ""  # the lines at `_pins`; "" if there are none or the modules have different lines
         self._at_once = True  # True if a listener may answer at once, without the delay of an input filter
         self._now = scene.kernel.now  # the first tick that has not run yet

@@ -37,7 +37,8 @@ def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
         raise case.mistake(what, "controller", "initialise")
     found: dict[object, Fraction] = {}
     table, scale = case.controller, ScenePlan(case).ticks
-    for side in (-within, within):  # raises BadCase for a time that has too many ticks with one of the clocks
+    # With the slowest and with the fastest clock, `head_plan` raises BadCase if a time has too many ticks.
+    for side in (-within, within):
         controller = table.model_copy(update={"ppm": table.ppm + side})
         head_plan(ScenePlan(case.model_copy(update={"controller": controller})).ticks)
 

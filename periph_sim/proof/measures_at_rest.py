@@ -1,11 +1,17 @@
 """Check, whenever a scene is at rest, whether all values of a budget's measure follow from single rounds.
 
-round --> rest --> round        spanning: a pair that waits for its second event lasts into the next round
-      |        |                lacking: a round has too few values, and a run can repeat it
-   measure at rest
+    round --> rest --> round --> rest
+               |                  |
+          measures are observed at each rest
 
-A closed table proves only budgets that are neither spanning nor lacking. The glossary in `periph_sim.proof` has the
-terms.
+At each rest, a budget can get one of two properties. A closed table proves only budgets that have neither:
+
+spanning: an occurrence of the measure has begun but is not over, such as a pair whose second event has not come yet. So
+    its value also depends on the next round.
+lacking: the round before the rest has given fewer values than the budget requires. A run could consist of such rounds
+    only, and would then not judge the budget.
+
+The glossary in `periph_sim.proof` has the other terms.
 """
 
 from __future__ import annotations
@@ -81,10 +87,13 @@ class MeasuresAtRest:
 
 
 def lasts(measure: Measure, now: int, after_start: Collection[Kind] = AFTER_START) -> bool:
-    """Return True if an occurrence of a measure has begun, and may end in the next round.
+    """Return True if an occurrence of a measure has begun, but may not end before the next round.
 
-    `Measure.unfinished` leaves out some such occurrences: pairs whose transfer or round has had its STOP, and events of
-    which it is not known yet whether they are the last ones, such as "last interrupt of transfer".
+    The result is also True for occurrences of these kinds, which `Measure.unfinished` leaves out:
+
+    - a pair that waits for its second event after the STOP of its transfer or round, unless the second event is of a
+      kind in `after_start`: such an event comes after the next START, which is too late for the pair
+    - an event of which it is not known yet whether it is the last one, as for "last interrupt of transfer"
 
     now: the present tick.
     after_start: kinds of records of which a scene at rest makes none until the START of the next transfer.

@@ -71,7 +71,8 @@ class NormalCollector(Collector):
     modules: the modules, by name. tick: the present tick.
     long_past: for each unit of time, the age from which on an instant is long past.
     ignored: the names of attributes that are left out.
-    periods: the period in cycles of each attribute that repeats on a grid of cycles, by its name.
+    periods: the period in cycles of each periodic process, such as the sampling of an SCI, by the name of the attribute
+        with the cycle at which one of its periods began (`State.grids`).
     """
 
     def __init__(
@@ -134,7 +135,7 @@ class NormalCollector(Collector):
             self._instead.setdefault(id(owner), {})[attribute] = value
 
     def collect(self, place: str, target: object, attribute: str, state: State) -> None:
-        """Store an attribute: relative to its grid, as EXPIRED if it is long past, else as `Collector.collect` does."""
+        """Store an attribute: modulo its period, as EXPIRED if it is long past, else as `Collector.collect` does."""
         time, value = state.times[attribute], getattr(target, attribute)
         if attribute in state.grids:
             self.values[place] = self._on_grid(place, value, getattr(target, state.grids[attribute]), time)
@@ -178,7 +179,7 @@ class NormalCollector(Collector):
         return tuple(found) if isinstance(found, Fixed) else found
 
     def _on_grid(self, place: str, value: Any, period: Any, time: Time) -> Any:
-        """Return the time since the last repetition of a grid. value: an instant at which it began, or a list."""
+        """Return the time since the present period began. value: an instant at which a period began, or a list."""
         if isinstance(value, list):
             pairs = enumerate(zip(value, period, strict=True))
             return tuple([self._on_grid(f"{place}[{n}]", one, each, time) for n, (one, each) in pairs])
@@ -238,12 +239,15 @@ def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:
 
 
 def periods_of(scene: Scene) -> dict[str, int]:
-    """Return the period in cycles of each attribute that repeats on a grid of cycles, by its name."""
+    """Return the period in cycles of each periodic process of a scene, such as the sampling of an SCI.
+
+    The keys of the result are names of attributes: such an attribute has a cycle at which a period began.
+    """
     return _collected(scene, ()).periods
 
 
 def period_of(scene: Scene) -> int:
-    """Return the number of cycles after which all attributes on grids of cycles repeat: the period of an orbit."""
+    """Return the number of cycles after which all periodic processes of a scene repeat: the period of an orbit."""
     return lcm(*periods_of(scene).values())
 
 

@@ -1,10 +1,13 @@
 """Choice of the budgets that a closed table with rounds and frames can judge.
 
-    events of a budget               they belong to           judged?
-    bus, I2C flags, writes, MODEL    the rest of the scene    yes: equal for all groups of a cell of groups
-    SCIRXINTA, SCI accesses          the service routine      yes: equal for all groups of a cell of groups
-    some of both                                              no: the routine moves relative to the rest
-    variables, reads, RX, RXFFST                              no: a frame can move them
+    events of a budget                     they belong to           judged?
+    bus, I2C flags, writes, other pins     the rest of the scene    yes: equal for all groups of a cell of groups
+    SCIRXINTA, SCI accesses                the service routine      yes: equal for all groups of a cell of groups
+    some of both                                                    no: the routine moves relative to the rest
+    variables, reads, pins and flags of    neither                  no: a frame can move them
+    the SCI, such as RX and RXFFST
+
+"Other pins" are GPIO pins that no SCI can use, for example a pin that is high while the firmware computes.
 
 Of a cell of groups, only the first and the last group are run, so a budget is judged only if its values are equal for
 all groups of it: if all its events are in the first line, or all are in the second one. `GroupDigest` has the writes,

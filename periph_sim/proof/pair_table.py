@@ -190,7 +190,8 @@ class PairMaker:
             ]
         )
         found = [self.tasks(number, waits[number]) for number in numbers]
-        # tasks of all these orbits alternate, so that a call has one from whatever orbit it reaches
+        # The tasks of these orbits are interleaved, so that a call of `run_tasks` gets tasks from many orbits. After
+        # each group, it can then continue with a task that starts from the orbit to which this group has led.
         self._run([task for some in zip_longest(*(tasks for tasks, _ in found)) for task in some if task is not None])
         cells = [cell for _, cells in found for cell in cells]
         within = [sum(cell.groups - 2 for cell in cells) for _, cells in found]  # per orbit: groups not run

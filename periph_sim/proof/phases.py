@@ -166,10 +166,10 @@ class Phases:
         return self._grid.due(self.warm_up + number * self._rounds_per_frame)
 
     def starts(self, phases: Sequence[int]) -> list[int]:
-        """Return the ticks of moved starts with these phases, one after the other, after the warm-up.
+        """Return the ticks of moved starts, one for each of these phases, in this order.
 
-        In a coverage of the start-up, the first start has the first phase, and the others follow at the distance of a
-        period. Of the other phases, only the number has an effect.
+        The first one comes after the warm-up. A coverage of the start-up has no warm-up: there, the first start has the
+        first phase, and the others follow at distances of a period, whatever their phases are.
         """
         if self.start_up:
             first = self._start + phases[0] * self.cycle - self._grid.first

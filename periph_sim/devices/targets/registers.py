@@ -297,7 +297,10 @@ class RegisterDevice(PlainReply):
         self._plan()
 
     def _show(self) -> None:
-        """Drive the interrupt pin, if there is one. With power, it is active while a bit of its key `bits` is set."""
+        """Drive the interrupt pin, if there is one, to its present level.
+
+        The pin is active if the device has power and one of the register bits in `Interrupt.bits` is set.
+        """
         if self._interrupt is not None:
             interrupt, pin = self._interrupt
             pending = self._powered and bool(self.values[interrupt.register_name] & interrupt.bits)

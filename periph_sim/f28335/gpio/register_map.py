@@ -14,7 +14,8 @@ from ...core.registers import Field, Register, RegisterMap, field
 
 BASE = 0x6F80
 PINS = 88  # GPIO0 to GPIO87
-BIT = tuple(1 << pin for pin in range(PINS))  # the mask of each pin, made once because it may exceed a C integer
+# The mask of each pin. Compiled modules use it instead of `1 << pin`, which they compute with 64 bits only.
+BIT = tuple(1 << pin for pin in range(PINS))
 PORT_OF = {"A": range(32), "B": range(32, 64), "C": range(64, 88)}
 
 # Word offsets in a port's control block (16 words) and data block (8 words).

@@ -68,7 +68,7 @@ class I2cSlave(I2cSlaveData):
             return 0
         if bit == n:
             return 0 if high else self._silent_answer()
-        loud = n  # the first fall of SCL that has an effect is the one after rise number `loud`
+        loud = n  # number of SCL rises in this byte before the first fall that has an effect
         if phase == TRANSMIT:
             if not self._shifting or (high and not bit):
                 return 0

@@ -19,7 +19,14 @@ from ..serial_line import sci_of
 
 
 def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at an SCI. Raise OutsideError or BadCase if the case has errors, or lacks the SCI."""
+    """Load a case, and return it with the RX line of one of its SCIs leading outside.
+
+    path: the file of the case.
+    port: the name of the SCI, such as "scia" or "dsp.SCI-A".
+    changes: texts such as "key=value", which replace values of the case.
+
+    Raise OutsideError or BadCase if the case has errors or does not have this SCI.
+    """
     if not str(path):
         raise OutsideError("no case was given; f28335://PATH/OF/CASE.toml?port=scia")
     case = load(Path(path), list(changes))
@@ -27,9 +34,9 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
 
 
 def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at SDA and SCL. Raise BadCase if the case has errors.
+    """Load a case, and return it with SDA and SCL leading outside. path, changes: as for `case_for_line`.
 
-    A case without a bus is rejected later, by `Session`.
+    Raise BadCase if the case has errors. A case without a bus is rejected later, by `Session`.
     """
     return _driven(load(Path(path), list(changes)), *LINES)
 

@@ -277,11 +277,12 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._must_be_open()
 
     def _wait_until(self, over: Callable[[], bool], timeout: float | None) -> None:
-        """Wait until `over` returns True, at most `timeout` seconds of real time, or simulated seconds if pace=0.
+        """Wait until `over` returns True, the time `timeout` is over, or the session fails.
 
-        timeout: None for no limit of real time, or for FOREVER simulated seconds.
+        timeout: with pace=0, in simulated seconds; None means FOREVER. With other paces, in seconds of real time; None
+            means no limit.
 
-        If the session fails, the wait ends. If pace=0, a SerialException is then raised.
+        If the session fails, this method raises SerialException with pace=0, and returns with other paces.
         """
         if self._thread is not None:
             with self._queue.changed:

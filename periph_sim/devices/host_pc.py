@@ -76,7 +76,7 @@ class Host(Agent):
     )
 
     _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame in progress
-    _again: bool  # True from the begin of a frame that will be sent again until it begins again
+    _again: bool  # True if the frame in progress, or the last one, must still be sent a second time
 
     def __init__(
         self,

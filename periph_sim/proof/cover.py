@@ -284,7 +284,10 @@ def _groups(name: str, found: Covered) -> Iterable[list[int]]:
 def _window(
     name: str, group: list[int], found: Covered, status: Callable[[int], frozenset[str]], bounds: tuple[int, int]
 ) -> Window:
-    """Return the window that contains a list of failing phases (see `_groups`). For the others, see `windows_of`."""
+    """Return the window that contains `group`, a list of failing phases that `_groups` yields.
+
+    name: the name of the failure. found, status, bounds: as for `windows_of`.
+    """
 
     def fails(phase: int) -> bool:
         return name in status(phase)

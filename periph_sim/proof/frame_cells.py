@@ -9,7 +9,7 @@ from __future__ import annotations
 from .free_run import NotClosed
 from .pair_groups import Cells, GroupRunner
 
-MOST_AWAY = 40  # an orbit is given up after this number of frames that start from other orbits
+MOST_AWAY = 40  # if more frames in a row start from other orbits than the wanted one, another orbit is chosen
 
 
 def find_cells(runner: GroupRunner) -> Cells:

@@ -62,10 +62,10 @@ class RateTask(Struct, frozen=True):
 def rate_runs(
     places: Sequence[Fraction], bits: tuple[Fraction, Fraction], sample: int, first: int
 ) -> Iterator[tuple[Fraction, tuple[tuple[int, int], ...]]]:
-    """Yield lengths of a bit, each with starts of frames. Frames with them have all sequences of samples.
+    """Yield lengths of a bit, each with starts of frames, so that each possible sequence of samples comes once.
 
-    A start is counted in ticks from the sample before it. For each sequence, there is a pair: the least and the
-    greatest start that gives it.
+    A start is counted in ticks from the sample before it. It is given as a pair for each sequence: the least and the
+    greatest start that gives this sequence.
 
     places: the places of the edges of a frame after its start, in bits, in ascending order.
     bits: the least and the greatest length of a bit, in ticks.
@@ -85,7 +85,7 @@ def rate_runs(
     known: set[tuple[tuple[int, ...], tuple[int, ...]]] = set()
     for bit in sorted({least, *changes}):
         edges = [floor(place * bit) for place in places]
-        # for each edge, the least start (after a sample) with which the edge comes one sample later
+        # for each edge, the least start with which one more sample is taken before the edge than with start 0
         limits = [-edge % sample for edge in edges]
         order = {limit: number for number, limit in enumerate(sorted({0, first, *limits}))}
         kind = tuple(-(-edge // sample) for edge in edges), tuple(order[one] for one in (first, *limits))

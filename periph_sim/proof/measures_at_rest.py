@@ -126,7 +126,10 @@ def round_events(measure: Measure) -> set[str]:
 
 
 def events_of(measure: EventMeasure) -> list[Matcher]:
-    """Return all events on which the values depend, also those in clauses, and begin and end of a counted transfer."""
+    """Return all events on which the values of a measure depend.
+
+    They include events in clauses, and the begin and end of groups, such as the transfer of "1st edge of transfer".
+    """
     each = [one for matcher in measure._all_matchers for one in matcher.each]
     groups = [one.group for one in each if one.group is not None]
     ends = [end for group in groups for end in (group.begin, group.end)]

@@ -32,8 +32,8 @@ class Observed:
     """The writes and interrupts of a few rounds that were run. All times are in cycles.
 
     writes: the times of all writes of registers, each from the start of its round.
-    delays: the times from the start of a frame to the entries of service routines. An entry counts only if it is in
-        each round. Rounds without any entry are not considered.
+    delays: the times from the start of a frame to the entries of service routines. Rounds without any such entry are
+        ignored, and an entry counts only if all other rounds have an entry at about the same time.
     """
 
     def __init__(self, covered: CoveredCase) -> None:

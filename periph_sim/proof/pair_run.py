@@ -161,7 +161,7 @@ class PairRun:
         self.done.first_rest = self.runner.run.now - self.runner.run.scene.start
 
     def _group(self, group: Group, offset: int = 0, sleep: Sleep | None = None) -> GroupRun:
-        """Run a group from the present orbit, note the way that it is, and return its run."""
+        """Run a group from the present orbit, note to which orbit it leads, and return its run."""
         orbit = self.runner.at[0]
         found = self.runner.run_group(group, offset, sleep)
         self._known.ways.setdefault(orbit, {}).setdefault(found.after, group)

@@ -173,9 +173,9 @@ class PairMaker:
         self._on_estimate(self._expected, self._seconds * groups + self._scene_seconds * scenes)
 
     def _close(self, numbers: Sequence[int]) -> None:
-        """Run the groups from these orbits: those in no cell of groups, and the first and last one of each such cell.
+        """Run groups from these orbits: all that are in no cell of groups, and the first and last one of each cell.
 
-        If these two are not alike, they are removed from the cell of groups, and its new first and last one are run.
+        If the first and the last one are not alike, both are removed from this cell, and its new ends are run.
         """
         pair = PairRun(self.covered, self._ignored, self.known)
         waits = {number: self.find_waits(pair, number) for number in numbers}
@@ -219,7 +219,7 @@ class PairMaker:
             self.table.again = len(known)
 
     def random_groups(self, number: int | None = None, is_alone: bool | None = None) -> Iterator[KnownGroup]:
-        """Yield random groups of the table, without end: in turn any group of a cell of groups, and one that was run.
+        """Yield random groups of the table, without end: in turn one that was run, and any one of a cell of groups.
 
         number: the number of the orbit from which they start; None for all orbits.
         is_alone: True for frames alone, False for groups with a round and a frame, None for all groups.
@@ -303,12 +303,12 @@ class PairMaker:
         return Task(cell.orbit, first, 0, cell.sleep), Task(cell.orbit, last, self._frames.period - 1, cell.sleep)
 
     def _near(self, orbit: int, tick: int, distances: range) -> Iterator[Task]:
-        """Yield tasks for groups with these distances. The offset of the frame is in turn 0 and the greatest one."""
+        """Yield tasks for groups with these distances. Their offsets alternate between 0 and the greatest offset."""
         for number, distance in enumerate(distances):
             yield Task(orbit, Group(tick, distance), self._frames.period - 1 if number % 2 else 0, None)
 
     def _is_cell(self, cell: Cell) -> bool:
-        """Return True if the first and the last one of a cell of groups are alike, and stay in the wait."""
+        """Return True if the first and last group of a cell are alike, and their routines come in the cell's wait."""
         first, last = self._of(cell, cell.first), self._of(cell, cell.last)
         return first.within and last.within and first.is_like(last)
 

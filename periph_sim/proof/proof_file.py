@@ -35,7 +35,7 @@ class ProofFile(SavedFile, frozen=True, kw_only=True):
         rounds and frames.
     any_data: True if the proof holds for frames with any data, except for the budgets in `following_data`.
     following_data: the proven budgets that hold for the data of the case only.
-    first: a tick from the start of the run: of the first start or, if `rests_first` is True, of the first rest.
+    first: the tick of the first start or, if `rests_first` is True, of the first rest, from the start of the run.
     rests_first: True if the proof holds for a first start at any tick after `first`; False if for `first` only.
     apart: the least distance of two starts for which the proof holds, in ticks.
     starts: the number of entries that were run.

@@ -148,9 +148,11 @@ class Scenarios:
                     self._differing.setdefault(name, f"{before} and {value}")
 
     def _set_arrays(self, maker: TableMaker) -> None:
-        """Set arrays with an item for each entry, sorted by orbit and tick, and then for the first round, if not free.
+        """Set arrays with an item for each entry, sorted by orbit and tick.
 
-        If a round has entry e, a round that starts d ticks after its start has the entry
+        If the first start is not free, a further item is for the first round, which counts as an entry here.
+
+        If a round has entry e, and the next round starts d ticks after it, the next round has the entry
 
             _offsets[e] + (_shifts[e] + d) % _periods[e]
 

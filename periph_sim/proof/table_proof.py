@@ -287,7 +287,10 @@ def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:
 
 
 def _with_clock(covered: CoveredCase, job: Job, error: Fraction) -> Job:
-    """Return the job with another error of the controller's clock, in ppm. If it has a host, its first round stays."""
+    """Return the job with another error of the controller's clock, in ppm.
+
+    In a case with rounds and frames, the first round still starts at the same time.
+    """
     changes = [f"controller.ppm={_decimal(error)}"]
     if covered.phases.is_relative:
         ticks = covered.phases.first_starts()["rounds"]

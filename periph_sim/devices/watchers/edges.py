@@ -50,7 +50,7 @@ class Edges:
     def __init__(self, settings: Settings, place: WatchContext) -> None:
         self._place = place
         self._expected = [(place.ticks(at), EDGE_NAMES.index(edge)) for at, edge in settings.edges]
-        # The tick from which the expected times count; -1 if this is the first edge, which has not occurred yet.
+        # The tick from which the expected times count; -1 if they count from the first edge, before this edge.
         self._zero = place.start if settings.since == "start" else -1
         self._after = place.start + place.ticks(settings.after)
         self._more = settings.more

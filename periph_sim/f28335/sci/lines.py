@@ -130,7 +130,7 @@ class SciLines(Chip):
 
     @property
     def marks(self) -> SciTx:
-        """The transmitter, which stores the mark of each word until the word has been sent."""
+        """The transmitter, which stores the mark (see `WriteOrigins`) of each word until the word has been sent."""
         return self._tx
 
     # Inputs: pin, time, clock, debugger -------------------------------------

@@ -38,7 +38,8 @@ from .register_map import SCI_MAP, SCIFFENA, SCIRST, TXEMPTY, TXRDY
 class SciTx:
     """The transmitter.
 
-    An entry of the FIFO has a word in its low eight bits, and the mark of this word in the bits above.
+    The mark of a word is the number of the record of the write that put the word in SCITXBUF. An entry of the FIFO has
+    a word in its low eight bits, and the mark of this word in the bits above.
 
     level: level of TXD.
     wut: True if TXWAKE was 1 when the word in TXSHF was loaded (WUT in the manual). If so, the word is sent

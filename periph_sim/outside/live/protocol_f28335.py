@@ -263,7 +263,7 @@ class Serial(SerialBase):  # type: ignore[misc]
     def flush(self) -> None:
         """Wait until the frames of all written bytes have begun. The last frame may not have ended yet.
 
-        If pace=0, stop after FOREVER simulated seconds.
+        If pace=0, wait at most FOREVER simulated seconds.
         """
         self._must_be_open()
         self._wait_until(lambda: not self._queue.waits(), None)

@@ -97,7 +97,8 @@ class MotionFrames:
     def __call__(self, number: int) -> tuple[int, ...]:
         """Return the six counts of a frame.
 
-        Raise BadMotion if a value is out of the range of a motion, or does not fit 16 bits and `beyond` is "refuse".
+        Raise BadMotion if an angle or acceleration exceeds the largest one that is allowed for any motion, or if it
+        does not fit 16 bits and `Encoding.beyond` is "refuse".
         """
         values, beyond = self._frame(number)
         if number >= self._counted:

@@ -12,7 +12,8 @@ from . import BadReplay
 
 I2C, UART = ("scl", "sda"), ("rx",)
 ALL = (*I2C, *UART)
-# The argument `lines` of `channels_given`: a dictionary from names of settings to lines. No line has a second name.
+# The argument `lines` of `channels_given`, which maps names of settings to lines. Here, the only name of each line is
+# its own.
 LINES = {line: line for line in ALL}
 
 

@@ -30,7 +30,7 @@ from .report import Happened, byte_words
 
 LIKELY = Fraction(1, 4)  # minimum length, in bits, of a low pulse that some receivers accept as a start bit
 AHEAD = 8  # maximum number of words that are compared to find where the comparison resumes
-EXTRA = 2  # maximum number of words that a receiver may read in addition to the decoded frames
+EXTRA = 2  # maximum number of words, at each ambiguous place, that a receiver may read beyond the decoded frames
 MOST = Fraction(1, 10)  # if a larger share of the frames has errors, the format is probably wrong
 SCI_BITS = 8  # maximum number of data bits in a word of an SCI
 SURE = 0.5  # minimum certainty (`Guess.sure`, 0 to 1) of a guessed format that makes the given format doubtful

@@ -249,10 +249,13 @@ class I2cReplay(SlaveReplay):
         )
 
     def _with_agents(self, outcome: Comparison) -> Comparison:
-        """Return the outcome, with a cause for each divergence that also occurs without the firmware.
+        """Run the agents once more without the firmware, and return the outcome with causes of its divergences.
 
-        If the first judged divergence is certainly not an error of the firmware, set `_agents_parted` to the reason;
-        otherwise set it to "".
+        A divergence that also occurs in this run (see `without_firmware`) gets a cause that says so. If there is no
+        divergence, the agents are not run.
+
+        Set `_agents_parted` to the reason why the first judged divergence is certainly not an error of the firmware, or
+        to "" if there is no such reason. Divergences of kind TIMING are judged only if a tolerance is given.
         """
         self._agents_parted = ""
         self._other_events = False  # True if the first judged divergence is due to the agents and not TIMING

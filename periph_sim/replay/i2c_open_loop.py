@@ -167,7 +167,11 @@ class I2cOpenReplay(SlaveReplay):
         ]
 
     def _held(self, name: str, bit: decode.Bit, edges: tuple[list[int], list[int]]) -> _Held:
-        """Return the low phase before a bit. edges: the ticks at which the chip pulls SCL low and releases it."""
+        """Return the low phase of SCL before a bit.
+
+        name: the name of the bit in messages.
+        edges: the ticks at which the chip pulls SCL low, and those at which it releases SCL.
+        """
         assert bit.low is not None
         falls, rises = edges
         rise, fall = self._tick(bit.at), self._tick(bit.at - bit.low)

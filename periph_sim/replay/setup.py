@@ -7,7 +7,8 @@ from the case. Settings of the firmware that the case does not set are filled in
 firmware's module names them in `REPLAY`, because other firmware may use names such as `address` or `busy` for something
 else.
 
-Except in a session, budgets are not judged: the verdict of a replay says whether the wires agree with the capture.
+The budgets of the case, which limit times, are removed: the verdict of a replay only says whether the wires agree with
+the capture. Only a session, which replays an I2C capture and a UART capture together, judges budgets.
 """
 
 from __future__ import annotations

@@ -36,7 +36,8 @@ from .replay import Progress, Replay
 from .report import NOTHING, Divergence, Report, compare, verdict_of
 from .setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
 
-TAKEN = Fraction(100, 10**6)  # seconds after the end of the capture in which the firmware can read the last word
+# The replay continues for one bit and this time (in seconds) after the capture, so that firmware reads the last word.
+TAKEN = Fraction(100, 10**6)
 TOLERANCE = Fraction(2, 100)  # up to this relative difference in rate, two UARTs read a long frame correctly
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))

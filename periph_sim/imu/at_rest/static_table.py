@@ -178,7 +178,14 @@ COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator
 
 
 def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Interpretation], samples: int, seed: int) -> str:
-    """Format the table of a parameter set, with deviations in standard errors, and the interpretations `found`."""
+    """Format the table as text, with the deviations from the expected values in standard errors.
+
+    imu: the parameters with which the values were reproduced.
+    rows: the rows of the table for these parameters (`static_table`).
+    found: interpretations of the dissertation's parameters (`readings`), which are listed below the table with their
+        differences from the published means; none if empty.
+    samples, seed: the number of samples from which the values were reproduced, and the seed of their noise.
+    """
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {SAMPLES} at {RATE} Hz.",
         "off: difference to the expectation, in standard errors, of figures with four",

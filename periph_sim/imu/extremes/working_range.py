@@ -29,7 +29,8 @@ class Worst:
     """The largest errors of an arithmetic in the working range.
 
     error: the largest error of each sensor before saturation and rounding, in LSB, by the name of the sensor.
-    at: the counts of the sample with this error, int64[12], by the name of the sensor.
+    at: the inputs of the models that lead to this error, int64[12] in counts, by the name of the sensor. They are roll,
+        pitch, yaw two samples ago, one sample ago and now, followed by the linear acceleration on x, y, z.
     """
 
     error: dict[str, float]

@@ -128,9 +128,10 @@ class Identified:
 
     @property
     def sensor_density(self) -> float:
-        """The density of the sensor's own noise, without rounding, at least 0.
+        """The measured density minus the density of the rounding noise (`quantisation_density`), but at least 0.
 
-        Parameters of the models contain this density, because the models round by themselves.
+        This is the density in the parameters of the models. The models round their codes, so they add the rounding
+        noise themselves.
         """
         return max(self.density.value - self.quantisation_density, 0.0)
 

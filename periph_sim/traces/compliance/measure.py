@@ -304,8 +304,10 @@ class _Part:
         """Return a mask of pulses whose low phase is certainly stretched, and a mask of pulses that may be stretched.
 
         A low phase is not stretched if it is no longer than the minimum of tLOW, or no longer than 1.1 times the
-        shortest low phase of the capture. A measured length may be wrong by up to
-        `Resolution.slack` positions.
+        shortest low phase of the capture. It may be stretched if the answer depends on the error of measured lengths,
+        which is up to `Resolution.slack` positions.
+
+        shortest_low: the length of the shortest low phase before a bit in the whole capture, in positions.
         """
         least, slack = _least("tLOW", self._mode), self._resolution.slack
         lengths = self.rises - self._low_from

@@ -29,7 +29,8 @@ BITS = 9  # number of bits of a byte with its ACK
 
 NOTHING, FALL, RISE, START, STOP = range(5)
 KINDS = 7  # mask that keeps the event (one of these five) and removes the flag BYTE
-# Flag of an event that ends a byte: the fall of SCL after the ninth bit, or a START or STOP in the ninth pulse of SCL.
+# BYTE is added to an event that ends a byte: to the fall of SCL after the ninth bit, or to a START or STOP in the ninth
+# pulse of SCL. BYTE_OVER is the fall with this flag.
 BYTE = KINDS + 1
 BYTE_OVER = FALL + BYTE
 

@@ -96,9 +96,12 @@ def rate_doubt(capture: Capture, channel: str | int, line: Line, glitch: int = 0
 
 
 def misread_frames(capture: Capture, channel: int, line: Line, glitch: int = 0) -> tuple[int, int]:
-    """Return the number of misread frames, and the number of frames, of a channel decoded as `line`.
+    """Return the number of misread frames, and the number of all frames, of a channel that is decoded as `line`.
 
-    Frames that begin with a break are left out.
+    A frame is misread if it has a framing or parity error, a glitch, or a falling edge far from the boundaries of bits.
+    Neither number includes frames that begin with a break.
+
+    glitch: pulses that are shorter than this number of positions are removed first.
     """
     table = uart_table(capture, channel, line, glitch)
     breaks = table.at[table.kind == UartRowKind.BREAK]

@@ -33,9 +33,10 @@ def wire_lanes(
 
     The lanes of the bus are left out if nothing happens on it within the span, or if one of SCL and SDA is missing.
 
-    columns: the number of columns of the diagram. If a bit is narrower than a column, the lane of bytes shows whole
-        phases of transfers. If a byte is narrower than a column, or SCL rises fewer than ten times in the capture,
-        there is no lane of bytes.
+    columns: the number of columns of the diagram. If a bit is narrower than a column, the lane of bytes has one box for
+        each phase of a transfer instead of one for each byte. A phase extends from a START or repeated START to the
+        next repeated START or STOP. If a byte is narrower than a column, or SCL rises fewer than ten times in the
+        capture, there is no lane of bytes.
     expected: the expected values of wrong data bytes. The key of a byte is (position of the last START or repeated
         START before the byte, number of data bytes between the address and the byte).
     """

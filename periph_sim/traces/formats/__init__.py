@@ -87,12 +87,12 @@ def formats(installed: bool = False) -> dict[str, Format]:
 
 
 def readers(installed: bool = False) -> dict[str, Format]:
-    """Return a dictionary from the names of modules to the formats that can be read."""
+    """Return a dictionary from the names of modules to the formats that can be read. installed: as for `formats`."""
     return {name: found for name, found in formats(installed).items() if hasattr(found, "read")}
 
 
 def writers(installed: bool = False) -> dict[str, Format]:
-    """Return a dictionary from suffixes to the formats that can be written with these suffixes."""
+    """Return a dictionary from suffixes to the formats that can be written with them. installed: as for `formats`."""
     able = [found for found in formats(installed).values() if hasattr(found, "write")]
     return {suffix: writer for writer in able for suffix in getattr(writer, "WRITTEN", writer.SUFFIXES)}
 

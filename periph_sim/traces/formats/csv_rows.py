@@ -39,7 +39,7 @@ class Rows:
     """The rows of a file.
 
     columns: the number of levels in a row.
-    states: a dictionary from the text of a cell to the state of the line.
+    states: a dictionary from the text of a cell to the state of a channel, 0, 1 or UNKNOWN.
     decimals: the number of decimals of the times. The argument is a minimum; later the attribute increases if a time
         has more decimals.
     separator: the text between two cells.
@@ -68,7 +68,7 @@ class Rows:
         self._expected, self._way_out = expected, way_out
         self._separator, self._timed = separator, timed
         self._kinds: dict[str, int] = {}  # a dictionary from the text of a combination of levels to its number
-        self._levels: list[bytes] = []  # for each combination of levels, the states, one byte per line
+        self._levels: list[bytes] = []  # for each combination of levels, the states of all channels, one byte each
         # The times of rows with a change of a level, counted from the first row; a list if a time exceeds 64 bits.
         self._times: array[int] | list[int] = array("q")
         self._kept = array("I")  # for each row with a change of a level, the number of its combination

@@ -53,7 +53,12 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
 
 
 def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,)) -> tuple[str, ...]:
-    """Write a capture to an open file. scope: the scopes in which all variables are declared."""
+    """Write a capture to an open file. Return notes on rounded times and on names that were changed.
+
+    scope: the names of the nested scopes in which all variables are declared, the outermost first.
+
+    Raise BadCapture as `write` does.
+    """
     from vcd import VCDWriter
 
     scale, per_second, notes = timescale_of(capture)

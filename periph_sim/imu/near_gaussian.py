@@ -70,10 +70,10 @@ def _value(word: int) -> float | None:
 
 @cache
 def _layers() -> list[tuple[float, float]]:
-    """Return, for each layer, its edge, and the number of its places up to the edge of the next narrower layer.
+    """Return, for each layer of the ziggurat (see the head of this module), its outer edge and a number of places.
 
-    These places are certainly under the curve. Layer 0 is wider than the curve at OUTERMOST, because it includes the
-    tail.
+    The places are those from 0 to the edge of the next narrower layer, so they are certainly under the curve. Layer 0
+    is wider than the curve at OUTERMOST, because it includes the tail.
     """
     height = exp(-0.5 * OUTERMOST * OUTERMOST)
     edges = [OUTERMOST]

@@ -148,6 +148,9 @@ class CapturedController:
         """Adapt the polls to the firmware's ACK or NACK of its address, and continue.
 
         If the firmware has refused its address for longer than `patience`, end the replay.
+
+        phase: the index of the phase, in the transfer in progress, that has the address.
+        move: the number of moves that have been played, up to the rising edge of SCL in the ACK bit.
         """
         acked, now = not self._sda_level.level, self._kernel.now
         changed = self.polled.answered(phase, acked)

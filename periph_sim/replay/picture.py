@@ -74,7 +74,11 @@ def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Seq
 
 
 def divergence_picture(divergence: Divergence, title: str, captured: Side, replayed: Side, bit: float) -> str:
-    """Return a picture of a divergence as SVG text. bit: the length of a bit in seconds."""
+    """Return a picture of a divergence as SVG text, with the lanes of the capture above those of the replay.
+
+    captured, replayed: the lines of the capture and of the replay.
+    bit: the length of a bit in seconds.
+    """
     began = not captured.agreed and not replayed.agreed  # True if no event before the divergence agreed
     aligned = captured.agreed != divergence.capture_s
     at_captured = None if divergence.capture_s is None else divergence.capture_s - captured.agreed

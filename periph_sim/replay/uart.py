@@ -83,8 +83,8 @@ class UartReplay(Replay):
 
     channel: the name or number of the channel.
     wanted: the line format with which the channel is decoded; None for the format to which the firmware sets the SCI.
-    lead: seconds from the start of the firmware to the beginning of the capture. It determines at which
-        instants within the bits the SCI samples the line.
+    lead: seconds from the start of the firmware to the beginning of the capture. It determines at which instants within
+        the bits the SCI samples the line.
 
     Raise BadCase, BadReplay or another InputError if the replay cannot be built; LookupError if a channel is missing.
     """

@@ -21,7 +21,7 @@ MEASURED = 37_500  # the time that the dissertation measured for a sample, in cy
 
 
 def picture(report: ExtremesReport) -> str:
-    """Return the picture as SVG text."""
+    """Return a plot of error over cycles, with one point for each arithmetic of the report, as SVG text."""
     points = []
     for name in report.names:
         cost, worst = report.costs[name], report.errors.get(name)

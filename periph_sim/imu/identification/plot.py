@@ -28,7 +28,12 @@ STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "
 
 
 def plot(title: str, axes: Sequence[Identified], path: Path) -> None:
-    """Write the plot as SVG or PNG, according to the suffix. Equal input gives an equal SVG file."""
+    """Write a plot of Allan deviations over averaging times, with one panel per unit.
+
+    title: the text above the panels.
+    axes: the identified axes of sensors.
+    path: the file, whose suffix selects SVG or PNG. Equal input gives an equal SVG file.
+    """
     units = list(dict.fromkeys(axis.unit for axis in axes))
     with rc_context(STYLE):
         figure = Figure(figsize=(1.5 + 4.2 * len(units), 4.4))

@@ -55,7 +55,7 @@ def _found(axis: Identified) -> tuple[str, ...]:
 
 
 def _known(axis: Identified) -> tuple[str, ...]:
-    """Return the four cells of one row under KNOWN.
+    """Return the four cells of a row of the table whose titles are in KNOWN.
 
     1. The name of the recording's column.
     2. The 95 % interval of the noise density.

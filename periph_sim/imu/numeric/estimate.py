@@ -168,7 +168,7 @@ SATURATED = Library(
 
 
 GUESS = "a guess: no figure published for 64-bit software floating point on the C28x"
-RANGES = {  # of float64 in software, in cycles
+RANGES = {  # the lowest and the highest cost of each operation of float64 in software, in cycles
     **dict.fromkeys(("scaled", *(kind for kind in OPERANDS if "integer" in kind)), (60, 300)),
     "neg": (2, 10),
     "select": (40, 120),

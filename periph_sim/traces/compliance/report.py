@@ -55,9 +55,11 @@ class Occurrence:
 class Row:
     """The verdict on one limit.
 
+    A measured time is undecidable if it is neither certain to be within the limit nor certain to break it.
+
     count: the number of measured times.
     least, most: the shortest and the longest measured time, in positions; None if nothing was measured.
-    failed: how many of the measured times fail.
+    failed: how many of the measured times certainly break the limit.
     undecided: how many of them are undecidable.
     excused: how many of them exceed the maximum, or may exceed it, although the maximum does not apply to them.
     unsure: how many of them are beyond the limit, but undecidable, because the limit may not apply to them.

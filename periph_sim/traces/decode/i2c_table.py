@@ -121,7 +121,7 @@ def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", 
 
 
 def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cBits:
-    """Return all pulses of SCL, also before the first START. Raise LookupError if a channel is missing or ambiguous."""
+    """Return all pulses of SCL, also before the first START. Arguments and errors are those of `i2c_table`."""
     none = (np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64))
     return joined([I2cBits(*none), *(bits_of(edges) for edges in i2c_edges(capture, scl, sda, glitch))])
 

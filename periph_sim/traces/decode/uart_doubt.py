@@ -131,6 +131,6 @@ def _beginning(capture: Capture, wire: Channel) -> tuple[Capture, int]:
 
 
 def _parts(capture: Capture, channel: int, glitch: int) -> list[Channel]:
-    """Return the line in each known span, without glitches."""
+    """Return the line in each known span, without pulses that are shorter than `glitch` positions."""
     wire = capture.channel(channel)
     return [wire.cut(span).without_glitches(glitch) for span in capture.known(wire)]

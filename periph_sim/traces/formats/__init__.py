@@ -104,7 +104,8 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     has only one format, which format reports an error if no format recognises the content. A file with a suffix in
     REFUSED is always rejected.
 
-    rate, salvage: see the module docstring.
+    rate: the sampling rate, if the file states no rate or a wrong one; None to use the rate of the file.
+    salvage: True to read a damaged file up to the damage, if the format allows this.
 
     Raise BadCapture, with the problem and a remedy, if the file cannot be read; ValueError if `rate` is not positive.
     """
@@ -172,9 +173,9 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
 
 
 def ready_for(path: Path, capture: Capture) -> Capture:
-    """Return the capture converted for the format of `path`.
+    """Return the capture in samples if the format of `path` has only samples; otherwise return it unchanged.
 
-    Raise BadCapture if no format has this suffix, or as `on_samples` does.
+    Raise BadCapture if no format has this suffix, or if the conversion to samples fails (see `on_samples`).
     """
     return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
 

@@ -77,7 +77,10 @@ class Rows:
         self._first = self._last = 0
 
     def add(self, line: int, row: str) -> None:
-        """Add a row. Raise BadCapture, with the line, if it is malformed or too early, or if there are too many."""
+        """Add a row. Raise BadCapture if the row is malformed or too early, or if there are too many rows.
+
+        line: the line number of the row in the file, for messages.
+        """
         time, _, levels = row.partition(self._separator) if self._timed else ("", "", row)
         try:
             kind = self._kinds.get(levels)

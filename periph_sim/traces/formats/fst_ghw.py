@@ -113,6 +113,8 @@ def _signals(
 
     Return a head with names and timescale, and for each signal the positions of changes and the states after them. A
     state consists of one letter per bit.
+
+    salvage: True to say in the error for a damaged file that no part of it can be read.
     """
     if find_spec("pywellen") is None:
         raise BadCapture(
@@ -180,7 +182,7 @@ def library() -> Any:
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Write a capture. Return notes on losses.
+    """Write a capture as FST. Return a note if times were rounded.
 
     Raise BadCapture if the capture has no rate or a rate that is too high for the format, or if `pylibfst` is missing.
     """

@@ -28,6 +28,7 @@ def section() -> bytes:
 def interface(link_type: int, name: str, decimals: int) -> bytes:
     """Return an interface block. Interfaces are numbered from 0 in the order of their blocks.
 
+    link_type: I2C_LINUX or USER0.
     decimals: the number of decimals of a second in the times of the interface's packets.
     """
     options = _option(IF_NAME, name.encode()) + _option(IF_TSRESOL, bytes([decimals])) + _option(END, b"")
@@ -38,7 +39,9 @@ def packet(number: int, time: int, content: bytes, comment: str) -> bytes:
     """Return a packet block.
 
     number: the number of the interface.
-    time: the time in units of the last decimal of the interface.
+    time: the time in units of the last decimal of the interface (see `interface`).
+    content: the bytes of the packet in the form that the link type of the interface defines.
+    comment: a text that Wireshark shows as the comment of the packet.
     """
     size = len(content)
     head = pack("<IIIII", number, time >> 32, time & 0xFFFFFFFF, size, size)
@@ -46,7 +49,12 @@ def packet(number: int, time: int, content: bytes, comment: str) -> bytes:
 
 
 def i2c_content(bus: int, flags: int, on_the_wire: bytes) -> bytes:
-    """Return the content of a packet of link type I2C_LINUX. on_the_wire: all bytes, including the address."""
+    """Return the content of a packet of link type I2C_LINUX.
+
+    bus: the number of the bus, of which only the lower seven bits are used.
+    flags: the sum of READ and TEN_BITS, as far as they apply.
+    on_the_wire: all bytes of the message, including the address.
+    """
     return pack(">BI", bus & 0x7F, flags) + on_the_wire
 
 

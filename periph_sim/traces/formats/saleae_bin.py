@@ -242,7 +242,10 @@ class _Cursor:
         return struct.unpack_from("<" + layout, self.content, self.skip(struct.calcsize("<" + layout)))
 
     def skip(self, size: int, more: str = "") -> int:
-        """Skip bytes, and return the place of the first of them."""
+        """Skip `size` bytes, and return the index of the first of them.
+
+        more: a text to append to the remedy in the message, if the file ends too early.
+        """
         if size > self.left:
             found, way_out = f"{self.left} bytes more", f"the file was cut, export it again{more}"
             raise BadCapture(self.path, f"byte {self.at}", found, f"{size}", way_out)

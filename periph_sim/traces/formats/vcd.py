@@ -44,7 +44,7 @@ OURS, SCOPE = "periph-sim", "capture"  # the name of the writer in our files, an
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Write a capture. Return notes on losses.
+    """Write a capture. Return notes on rounded times and on names that were changed.
 
     Raise BadCapture if the capture has no rate, has a rate that is too high, or is too long.
     """

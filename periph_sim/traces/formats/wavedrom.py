@@ -26,7 +26,10 @@ MOST_BRICKS = 4000
 
 
 def write(capture: Capture, path: Path) -> None:
-    """Write a capture as the source of a picture. Raise BadCapture if it has too many edges or bricks."""
+    """Write a capture as the source of a picture.
+
+    Raise BadCapture if the capture has too many edges, or if a wave would have too many characters (bricks).
+    """
     edges = sum(len(channel.edges) for channel in capture.channels)
     if edges > MOST_EDGES:
         _refuse(capture, f"{edges} edges", f"at most {MOST_EDGES}")

@@ -13,7 +13,9 @@ it added.
 
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
-firmware. A difference that also occurs in this run is caused by the agents. This and all later ones are not judged.
+firmware. A difference that also occurs in this run is caused by the agents. If the first judged difference is caused by
+the agents, and the replay did not end early, the verdict is "not judged", because later differences can be consequences
+of the first one.
 """
 
 from __future__ import annotations

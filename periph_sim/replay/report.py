@@ -217,7 +217,9 @@ class Report:
         UART, it is the largest time from a word's start bit to the firmware's read of the word.
     lag_samples: `lag_worst_us` in sample periods of the capture.
     late_worst_us: open loop: the longest time for which the chip holds SCL low after SCL rises in the capture.
+    simulated_s: the duration of the run in seconds of simulated time.
     wall_s: the duration of the run in seconds of real time, without preparation and comparison.
+    kernel_events: number of events that the simulation kernel executed.
     """
 
     case: str
@@ -263,7 +265,8 @@ class Report:
 
 PASS, AMBIGUOUS, NOT_JUDGED, FAIL = "pass", "ambiguous", "not judged", "fail"
 
-# For each setting that a replay fills in from the capture: what it determines, which is therefore not judged.
+# For settings that a replay can fill in from the capture: the part of the traffic that the setting determines. If the
+# setting is filled in, the headline says that this part comes from the capture.
 DECIDES = {"replies": "the data", "asleep": "the refusals", "busy": "the refusals", "script": "the requests"}
 
 

@@ -37,7 +37,11 @@ class AccelerationWave(Table, frozen=True):
 
 @dataclass(frozen=True)
 class Settings:
-    """The settings of the motion. mean: the values to which the waves are added."""
+    """The settings of the motion.
+
+    angles, accelerations: the sine waves, any number of which can be added to the same value.
+    mean: the values to which the waves are added.
+    """
 
     angles: tuple[AngleWave, ...] = ()
     accelerations: tuple[AccelerationWave, ...] = ()

@@ -316,7 +316,7 @@ __all__ = ["PARITIES", "Event", "Line", "events"]
 
 
 class Event(NamedTuple):
-    """A row of `UartTable`."""
+    """A row of `UartTable` as an object. The attributes have the meanings of the columns with the same names."""
 
     kind: UartRowKind
     at: int

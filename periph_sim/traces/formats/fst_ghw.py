@@ -57,7 +57,7 @@ PATIENCE = 900  # maximum time in seconds to read a file; usually the reading pr
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
 NO_END = "the format does not say where the run ends, so the last change is used"
 
-# For the code of each letter, its state.
+# The state that each letter of a file means: 0, 1 or UNKNOWN. The index is the character code of the letter.
 STATE_OF = np.array([STATES.get(code, UNKNOWN) for code in range(256)], np.uint8)
 
 

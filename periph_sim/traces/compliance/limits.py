@@ -63,20 +63,20 @@ def _least(standard: int, fast: int, fast_plus: int) -> dict[Mode, Bounds]:
 
 
 STRETCHED = (
-    "it binds only a device that does not stretch tLOW, so it is judged before bits whose low phase is no longer than "
-    "the least tLOW or than the shortest of the trace and a tenth; in longer ones tSU;DAT judges alone"
+    "it binds only a device that does not stretch tLOW, so it is judged only at bits whose low phase is at most the "
+    "least tLOW, or at most 1.1 times the shortest one of the trace; at longer ones, only tSU;DAT is judged"
 )
 SETUP = "a Fast-mode device on a Standard-mode bus must keep the 250 ns of Standard-mode: judge such a bus as standard"
 HOLD = (
-    "the 300 ns that a device keeps inside itself to bridge SCL's falling edge do not show on the lines; the maximum "
-    "is judged as that of tVD;DAT"
+    "the lines do not show the 300 ns for which a device holds SDA inside itself to bridge the falling edge of SCL; "
+    "the maximum is judged as that of tVD;DAT"
 )
 SPIKE = (
-    "an input must ignore a spike of up to 50 ns, so these are put aside before anything else is measured; an SCL "
-    "pulse, or an SDA pulse while SCL is high, of over 50 and up to 100 ns is too long a spike; a longer one, and "
-    "any on SDA while SCL is low, is no spike"
+    "an input must ignore a spike of up to 50 ns, so such spikes are removed before anything else is measured; a pulse "
+    "of SCL, or of SDA while SCL is high, of more than 50 and up to 100 ns is a spike that is too long; longer pulses, "
+    "and pulses of SDA while SCL is low, are no spikes"
 )
-SLOPES = "a capture with one threshold a line shows no rise and fall times"
+SLOPES = "a capture with one threshold for each line shows no rise and fall times"
 
 LIMITS: tuple[Limit, ...] = (
     Limit("fSCL", "SCL fall", "next SCL fall", _least(10_000, 2_500, 1_000), rule="judged as the period"),

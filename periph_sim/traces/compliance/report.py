@@ -292,7 +292,7 @@ def _remarks(report: Report) -> list[str]:
         found.append(f"a maximum that binds only where SCL is not stretched, which these samples do not tell: {counts}")
     spikes = report.row("tSP")
     if spikes.count:
-        found.append(f"tSP: {spikes.count} spikes were put aside; {spikes.limit.rule}")
+        found.append(f"tSP: {spikes.count} spikes were removed before the measurement; {spikes.limit.rule}")
     elif spikes.verdict is Verdict.UNDECIDABLE:
         found.append("tSP: no spike is seen, but one may lie between two samples")
     if report.shared:

@@ -104,7 +104,10 @@ class Project(Struct, frozen=True):
 
 
 def _inside(case: Path, places: Sequence[Path]) -> Path | None:
-    """Return the path of a case inside the first of these folders or files that contains it; None if there is none."""
+    """Return the path of a case relative to the first of these places that contains it; None if there is none.
+
+    places: folders, and files of cases. For a place that is the file of the case itself, return the name of the file.
+    """
     for place in places:
         if case.is_relative_to(place):
             return Path(case.name) if place.is_file() else case.relative_to(place)

@@ -284,7 +284,8 @@ class Scene:
 
         progress: called up to a hundred times, with the fraction of the run that is done.
 
-        If the case has a log in [outside], the run leaves out the events of its last tick, as the session did.
+        If the case has the log of a session in [outside], the run leaves out the events of the tick at which it ends,
+        because the session left out those of the tick at which it ended.
 
         Raise BadCase, before anything runs, if the run would have too many ticks, or if the case has an [outside]
         without a log.

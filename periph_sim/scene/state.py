@@ -153,10 +153,11 @@ def keep_logs(scene: Scene) -> bool:
 
 
 def run_to_checkpoint(scene: Scene, until: int) -> None:
-    """Run to the first instant in the last window before `until` at which the logs of all C sources can end.
+    """Run to the first instant in the last window before `until` at which the access logs of all C sources can end.
 
-    WINDOWS gives the length of the window. If all parts of the state at this instant can be restored, the state becomes
-    the scene's checkpoint. If there is no such instant, `scene.checkpoint` does not change.
+    A log can end while `main` computes, the CPU sleeps and no service routine is active. WINDOWS determines the length
+    of the window. If all parts of the state at this instant can be restored, the state becomes the scene's checkpoint.
+    If there is no such instant, the scene runs up to `until`, and its checkpoint does not change.
     """
     from ..processor.host_code.access_log import log_at_rest
 

@@ -183,7 +183,7 @@ def assumes(names: Sequence[str]) -> str:
 def assumes_lines(names: Sequence[str]) -> list[str]:
     """Return the phrase about undocumented behaviours as indented lines of at most 80 characters.
 
-    names: the options for these behaviours, as for `assumes`. If there are none, return [].
+    names: the options for these behaviours, such as "dsp.i2c.aas_sdir_point". If there are none, return [].
     """
     import textwrap  # imported here, because few runs fail
 

@@ -127,7 +127,7 @@ LEVELS = ("low", "high")
 def glitch_notes(buses: Sequence[Bus], capture: Capture, shortest: int | None) -> list[str]:
     """Return a note for each bus that states below which width a pulse is a glitch.
 
-    shortest: as for `glitches`.
+    shortest: pulses of fewer positions are glitches; None for the limit of each bus, `Bus.glitch`.
 
     Raise ClickException if this width is unknown, because the capture has no sample rate, or if `shortest` is 0.
     """

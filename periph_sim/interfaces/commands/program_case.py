@@ -48,7 +48,7 @@ UNIT = "dsp"
 # program has ended, hangs, or was reset by the watchdog. Otherwise, it ends at the last of these times, or soon after
 # MOST_WORK instructions if this is earlier.
 STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fraction(2))
-STEP = Fraction(10, 1000)
+STEP = Fraction(10, 1000)  # seconds of the run after which its instructions are compared with MOST_WORK
 MOST_WORK = 1_000_000
 ACCESS_WORK = 50  # simulating one access by C sources takes as long as this number of instructions of an image
 OFTEN = 3  # minimum number of interrupts, calls or writes of one kind for which a period is measured

@@ -32,7 +32,8 @@ def judge_under_questions(
 
     command: the command and its option --questions, for the JSON output.
     length: the duration of each run in seconds; None for that of the case.
-    make: as for `explore`.
+    make: a function from a case file and its "key=value" texts to the combined result of many runs; None to run the
+        case once.
     left_out: the budgets and inputs that are not covered, with the reasons; None for a run, which covers all.
     """
     with running_user_code():

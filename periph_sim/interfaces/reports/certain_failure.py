@@ -74,7 +74,11 @@ class CertainFailure(NamedTuple):
 
 
 def certain_failures(coverage: Coverage) -> list[CertainFailure]:
-    """Return the result for each end of a window that `_ends` yields, for at most MOST_ENDS ends."""
+    """Return the event that makes the failure certain, for the first and the last phase of each window.
+
+    A window is a range of phases that fail in the same way. Phases that `_ends` does not yield are left out, and so are
+    all phases after the first MOST_ENDS.
+    """
     runs = _Runs(coverage)
     ends = [(window.name, phase) for window in coverage.windows for phase in _ends(window, coverage)]
     return [_certain(name, phase, runs) for name, phase in ends[:MOST_ENDS]]

@@ -240,7 +240,7 @@ def _client(address: str) -> Any:
 
 
 def _reason(error: BaseException) -> str:
-    """Return the first line of an error, with its class if it has no text."""
+    """Return the first line of an error's message, or the name of the error's class if the message is empty."""
     return next(iter(str(error).splitlines()), "") or type(error).__name__
 
 

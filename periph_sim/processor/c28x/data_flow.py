@@ -150,7 +150,11 @@ def _parts(names: Iterable[str], encoding: Encoding, fields: Mapping[str, int]) 
 
 
 def _operand(field: int, wide: bool) -> int:
-    """Return the parts of the register that field l encodes; 0 for memory."""
+    """Return the parts, as a mask of PARTS, of the register that is an instruction's operand; 0 for memory.
+
+    field: the field of the instruction that encodes the operand, with the letter l in `encodings.toml`.
+    wide: True if the operand has 32 bits, False if it has 16.
+    """
     if field not in REGISTERS:
         return 0
     if field < REGISTERS.start + 8:

@@ -42,7 +42,7 @@ XAR = tuple((f"AR{n}", f"AR{n}H") for n in range(8))
 # For the name of each register, its words, the low word first.
 WORDS: dict[str, tuple[Place, ...]] = {"AL": ("AL",), "AH": ("AH",), "ACC": ("AL", "AH")}
 WORDS |= {f"XAR{n}": XAR[n] for n in range(8)} | {f"AR{n}": XAR[n][:1] for n in range(8)}
-OPERAND = ("loc", *LOCATIONS)  # names in `encodings.toml` of the operand that field l selects
+OPERAND = ("loc", *LOCATIONS)  # names in `encodings.toml` of the operand that an instruction's field l encodes
 # The names in the columns `reads` and `writes` of `encodings.toml` that this module can handle, in addition to "stack".
 KNOWN = re.compile(
     r"(loc|mem)(16|32)|ACC|AL|AX|X?AR.*|P|PH|PL|T|TL|XT|OVC|ST0|ST1|STF|R[0-7a-f]H|R0H-R7H|SP|DP|PC|RPC|RPTC|RB|IER"
@@ -67,7 +67,8 @@ class Traced(NamedTuple):
 
     f: the instruction.
     at: the cycle in which the instruction was executed.
-    operand: the words of the operand that field l encodes, the low word first; empty if they cannot be counters.
+    operand: the words of the operand that the instruction's field l (in `encodings.toml`) encodes, the low word first;
+        empty if they cannot be counters.
     pointers: mask of the registers from which the address of the operand is computed.
     needs: mask of the registers that the instruction needs in phase D2.
     sp: SP before and after the instruction.

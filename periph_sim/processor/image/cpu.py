@@ -123,7 +123,7 @@ class ImageCpu(ImageMemory):
     def access_at(self, f: Operation, cycle: int) -> int:
         """Return the first cycle from `cycle` on in which all accesses of an operation can be made.
 
-        An operation may access the operand of field l, the operand *(0:16), or both.
+        An operation may access the operand that the field l of its instruction encodes, the operand *(0:16), or both.
         """
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
             self._tested = f.tested

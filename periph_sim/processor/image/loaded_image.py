@@ -256,7 +256,7 @@ class LoadedImage(Program):
 def fields_of(register: Register, mask: int) -> str:
     """Return the names of the fields of a register that have bits in a mask, joined by "+".
 
-    Return "all" if all 16 bits are set in the mask, or no bit of any field.
+    If the mask has all 16 bits, or has no bit of any field, return "all".
     """
     if mask == ALL:
         return "all"

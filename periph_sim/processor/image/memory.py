@@ -191,8 +191,8 @@ class ImageMemory(Engine):
     def _even(self, address: int, how: str) -> int:
         """Return the even address that a 32-bit access uses in place of the odd address `address` [SPRU430F 5.11].
 
-        Raise IllegalOperation if field l encodes this address by a mode that does not use SP, because an odd address is
-        then a mistake of the program. SP may be odd.
+        Raise IllegalOperation if the instruction encodes this address by a mode that does not use SP, because an odd
+        address is then a mistake of the program. SP may be odd.
         how: the words "read from" or "written to", for the message.
         """
         if self.ea == address and addressing(self.field) != SP:

@@ -215,7 +215,7 @@ class PollSkipper:
     def changes(self, address: int, before: int) -> None:
         """Handle a change of a memory word by the examined pass. before: the earlier value of the word.
 
-        If the pass is analysed for counters, store the earlier value. Otherwise, the pass is not clean.
+        If the pass is analysed for counters, store the earlier value. Otherwise, set `clean` to False.
         """
         if not self.counting:
             self.clean = False
@@ -233,7 +233,7 @@ class PollSkipper:
     def note(self, operand: Operand, value: int) -> None:
         """Append the read of a module's register to the reads of the examined pass.
 
-        If the register changes with time, or its read has an effect, the pass is not clean.
+        If the register changes with time, or its read has an effect, set `clean` to False.
         """
         self._spin.note(operand, value << operand.shift, None)
         self._values.append(value)
@@ -248,14 +248,15 @@ class PollSkipper:
     def restart(self) -> None:
         """Set `restarts`, because the examined pass writes the key register of the watchdog.
 
-        A pass that is analysed for counters is then not clean.
+        The further passes are then executed and not skipped. If the pass is analysed for counters, this is ensured by
+        setting `clean` to False; otherwise, the program checks `restarts`.
         """
         self.restarts = True
         if self.counting:
             self.clean = False
 
     def soil(self) -> None:
-        """Mark the examined pass as not clean, because of an action that the next pass may not repeat."""
+        """Set `clean` to False, because the examined pass has done something that the next pass may not repeat."""
         self.clean = False
 
     # Sleep -------------------------------------------------------------------------

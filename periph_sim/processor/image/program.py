@@ -74,8 +74,8 @@ class ImageProgram(LoadedImage):
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True at the start of a pass of a loop that should be examined
         self._back = -1  # the address of the branch that closed the last executed pass of a wait; -1 for none
-        # _counted: number of instructions up to the start of the present pass.
-        # _pass: number of instructions in each pass of the present wait.
+        # _counted: the value of `instructions` at the last call of `_sleeps`, which is at the start of a pass.
+        # _pass: the number of instructions in each pass of the present wait.
         self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that read only unmodelled words
         self._counting: CountingLoop | None = None  # set while a pass is traced, or passes that count are skipped

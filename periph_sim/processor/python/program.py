@@ -196,7 +196,10 @@ class PythonProgram(Program):
                 del fault
 
     def yield_turn(self) -> None:
-        """Stop the program, run due events from here, and return when the program is run again."""
+        """Stop the program, and return when it is run again.
+
+        Until then, events run inside this call as long as `Kernel.run_nested` can run them, and then in the outer loop.
+        """
         kernel, program = self._kernel, self._greenlet
         if program is None:  # the program was killed, so it never continues
             ender = getcurrent().parent

@@ -121,7 +121,10 @@ class Case(Table, frozen=True, kw_only=True):
         return case
 
     def _flaws_of_inputs(self) -> Iterator[Mistake]:
-        """Yield a mistake for each key of [inputs] that applies to no part of the case, or is not in order of time."""
+        """Yield a mistake for each key of [inputs] that applies to no part of the case.
+
+        Yield one also for each start that is not after the start before it in its list.
+        """
         inputs = self.inputs or InputsTable()
         if inputs.rounds is not None and self.controller is None:
             yield Mistake(("inputs", "rounds"), "there is no [controller] whose rounds could start then; leave it out")

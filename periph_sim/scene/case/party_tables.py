@@ -158,7 +158,7 @@ class ValueTable(Table, frozen=True, kw_only=True):
 
     fixed: constant x, y, z
     rows: time, x, y, z, held until the next row: `[["0 s", 0, 0, -1], ["2 s", 0, 0.5, -0.9]]`
-    ramp: `"angles"` or `"accelerations"` of the host's frames, in LSB
+    ramp: `"angles"` or `"accelerations"` of the ramp that a host without `motion` sends, in LSB
     first: with `ramp`, time from which the numbers of the first frame apply
     period: with `ramp`, time between frames
     unit: `"physical"` (deg/s, g, gauss) or `"LSB"` of the scale that `registers` sets

@@ -111,8 +111,8 @@ class FrameHistory:
         return shown
 
 
-# A read is compared with all frames. But the values of a frame older than the frame of the chip's previous read are
-# right only if the last RECENT frames include these values.
+# A read is right if it returned the values of one of the last RECENT frames, or of any frame that is not older than the
+# frame whose values the previous read of the chip returned.
 RECENT = 8
 KEPT = 64  # number of recent frames from which a model run may have taken its input
 COMPLETE = 256  # maximum number of chains (possible sequences of frames) up to which all chains are followed
@@ -249,7 +249,7 @@ class ModelOrigins(Origins):
         self._left_out = False  # True if chains were left out after the last read that agreed with a chain
         self._before: list[Chain] = []  # the chains as they were before the last model run was added
         self._runs = 0
-        self._over: list[ModelRun] = []  # complete model runs that are not in a chain yet
+        self._over: list[ModelRun] = []  # complete model runs that `_chains` does not include yet
         self._last: ModelRun | None = None
         self._may_take: list[Sent] = []
 

@@ -294,7 +294,8 @@ def _match_bus(event: Event, scope: Scope) -> Matcher:
 def _match_frame(event: Event, scope: Scope) -> Matcher:
     if event.name not in scope.lines:
         if event.name in LINES:
-            named = [line for line in scope.lines if "." in line]  # RX and TX are the lines of a single SCI-A
+            # The lines whose names are longer than RX or TX, such as SCI-B.RX or left.SCI-A.TX.
+            named = [line for line in scope.lines if "." in line]
             alike = [line for line in named if line.endswith(f".{event.name}")]
             hint = f"write frame {' or '.join(alike or named)}" if named else "give a unit SCI-A"
             raise BadEvent(f"{event.text!r} needs {event.name} in the scene, which has no such wire; {hint}")

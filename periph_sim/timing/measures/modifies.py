@@ -255,8 +255,9 @@ class Modifies(RecordSink):
         return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)
 
     def _cleared(self, name: str) -> Iterator[tuple[str, Cleared]]:
-        """Yield (text, clears) for each flag and each place in the firmware. name: as for `cleared`.
+        """Yield (text, clears) for each flag and each place in the firmware.
 
+        name: the only flag to yield, whether or not firmware had read it; "" for all flags that firmware had not read.
         text: names the flag and the place.
         clears: how often writes at this place cleared the flag unintentionally, and the first time.
         """

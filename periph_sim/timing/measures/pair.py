@@ -70,7 +70,7 @@ class _Waiting:
         return [(self.oldest, self.oldest_counted), *zip(self.since, self.counted_at, strict=True)]
 
     def clear(self) -> None:
-        """Remove all events."""
+        """Remove all first events that wait for their second event."""
         self.oldest = NO_TIME
         self.since.clear()
         self.counted_at.clear()

@@ -35,8 +35,10 @@ class Watched(Struct, frozen=True):
         return ".".join(filter(None, (self.unit, self.module, self.register, self.field))) or None
 
     def is_about(self, kind: Kind, where: str, what: str) -> bool:
-        """Return True if records of this kind, place and thing are accesses to the register, or changes of the watched
-        field; without a field, changes of any field; without a register, those of all registers.
+        """Return True if records of this kind, place and thing are accesses to the register or changes of the field.
+
+        If `field` is empty, the changes of all fields of the register are included. If `register` is empty, accesses to
+        all registers and the changes of all their fields are included.
         """
         if kind is Kind.ACCESS:
             place = f"{self.module}.{self.register}" if self.register else what[2:]

@@ -350,7 +350,10 @@ def _covered(run: Callable[[], CoverageCheck], check: CaseCheck, lost: dict[Path
 
 
 def _result(run: Callable[[], T], case: Path, lost: dict[Path, str] | None) -> T | None:
-    """Return the result of a call; None if the cluster that makes it is lost. lost: as in `_explain`."""
+    """Return the result of a call; None if the cluster that makes it is lost.
+
+    lost: receives the case, with the reason, if the cluster is lost; None to raise ClusterError.
+    """
     try:
         return run()
     except ClusterError as error:

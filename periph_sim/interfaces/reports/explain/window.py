@@ -339,10 +339,11 @@ class _Keeper:
         )
 
     def _drawn(self, one: _Wanted, bit: int) -> Span:
-        """Return the extent of a picture.
+        """Return the range of ticks that the picture of an occurrence shows. bit: the length of a bit, in ticks.
 
-        An interval is in the middle of the picture. An instant is after the first sixth of the picture. If the instant
-        is the end of a wait that is too long, the picture begins with the kept records.
+        An interval is in the middle of the picture. An instant is after the first sixth of the picture. But if the
+        instant is the end of a wait that was too long, as for a missed round, the picture begins where the first of the
+        ranges `one.kept`, whose records are kept, begins.
         """
         begin = one.kept[0].begin if is_late(one.verdict) else one.begin
         end = one.end

@@ -112,7 +112,8 @@ def bytes_of(
     """Yield a box for each condition, byte and ACK bit.
 
     end: the position at which incomplete boxes end.
-    expected: as for `traces.drawing.capture_lanes.wire_lanes`.
+    expected: the expected values of wrong data bytes. The key of a byte is (position of the last START or repeated
+        START before the byte, number of data bytes between the address and the byte).
     """
     for transfer in transfers:
         for (event, label, place, wrong), span in zip(

@@ -50,11 +50,15 @@ class CoveredResult(Result):
 
 
 class Cover(Struct, frozen=True):
-    """The runs that are made with each answer.
+    """How to run a case with each answer to an open question: at many phases, or with a closed table.
 
-    step, only: the phases, as in `choose`.
-    rounds, start_up: as for `Job`.
-    table: True to make a table of all starts instead.
+    The glossary in `periph_sim.proof` has the terms.
+
+    step: the distance between two chosen phases that are not near a write of the firmware, in cycles.
+    only: the times, in seconds, between which phases are chosen; None for all phases of a period.
+    rounds: the number of moved starts in a run with one phase alone.
+    start_up: True to move the first start through the start-up.
+    table: True to prove the budgets for all starts with a closed table; False to run the case at the chosen phases.
     """
 
     step: int

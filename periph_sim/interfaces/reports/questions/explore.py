@@ -81,7 +81,8 @@ def explore(
     jobs: the number of worker processes; None for one per core.
     bars: a function that returns the context of a step, such as "60 pairs". The context yields None, or a function that
         is called with the completed share of the step, 0 to 1.
-    make: a function that returns the result of many runs, as in `sweep.runs.Job`; None to run the case once.
+    make: a function from a case file and its "key=value" texts to the combined result of many runs; None to run the
+        case once.
 
     Raise BadCase if the case has no budget or touches no question, and the errors of a run if the case as it is cannot
     be run.

@@ -64,7 +64,7 @@ def tabulated(
 
     file, changes: the path of the case and the changes of its keys, as "key=value".
     case: the changed case.
-    on_progress: as for `TableMaker`.
+    on_progress: called with the fraction of the work that is done, 0 to 1.
 
     Raise BadCase if the case has no closed table, or no budget has values.
     """

@@ -296,7 +296,7 @@ def _row_of_table(found: Trade, table: Tabulated) -> tuple[str, ...]:
 def as_json(found: Trade, table: Tabulated | None = None) -> dict[str, object]:
     """Return the whole comparison as a dictionary for JSON. An infinite error is the text "infinite".
 
-    table: as for `text`.
+    table: the cost and the error of the case's closed table; None if it was not made.
     """
     return {
         "case": found.case,

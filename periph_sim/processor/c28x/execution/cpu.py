@@ -81,7 +81,7 @@ class Cpu(Registers):
     """State of a CPU while it executes an instruction.
 
     ea: the address of the current operand; REGISTER if the operand is a register.
-    field: the value of field l of the current instruction.
+    field: the value of the current instruction's field l, which encodes its operand.
     high_byte: True if the operand is the upper byte of the word at `ea`.
     cycles: the cycles of the current instruction.
     written_in: the cycle of the current instruction, counted from 1, in which its write to memory passes phase D2.
@@ -124,7 +124,7 @@ class Cpu(Registers):
     # Operands -----------------------------------------------------------------------
 
     def locate(self, f: Operation) -> None:  # core: C only
-        """Set `ea` to the address that field l encodes [SPRU430F Table 5-1].
+        """Set `ea` to the address of the operand, which the instruction's field l encodes [SPRU430F Table 5-1].
 
         Change registers as the addressing mode does, for example increment XARn.
         """

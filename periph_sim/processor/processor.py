@@ -249,7 +249,7 @@ class Processor(Agent):
         self.stops()
 
     def stops(self) -> None:
-        """Restore the cause of records to that before the kernel called `act`, because the program stops."""
+        """Handle a stop of the program: new records get the cause again that they had before the program ran."""
         recorder = self._recorder
         self._cause, recorder.cause = recorder.cause, self._outer
 

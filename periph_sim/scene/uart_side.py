@@ -40,7 +40,7 @@ LARGEST_DIFFERENCE = Fraction(1, 20)  # maximum relative difference of two rates
 class UartSide:
     """The serial lines of a scene.
 
-    host: the host on RX, or None. serial: the parties in [serial], or None. measured: for `serial`, what events use.
+    has_sci: True if a unit has an SCI.
     """
 
     def __init__(
@@ -52,6 +52,11 @@ class UartSide:
         serial: SerialSide | None,
         measured: MeasuredScene | None,
     ) -> None:
+        """host: the host on RX; None if there is none.
+
+        serial: the parties of the table [serial]; None if there is none.
+        measured: the scene as measures see it, to which the events that trigger sends of [serial] subscribe.
+        """
         self._units = units
         self._serial = serial
         self._scis = context.wiring.scis

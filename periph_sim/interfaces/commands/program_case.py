@@ -153,7 +153,8 @@ class LoopCalls(CallListener):
 def image_case(path: Path) -> WrittenCase:
     """Return a case for an image, to be written to the current folder.
 
-    Raise BadImage if the file is no image, and ClickException as `_case` does.
+    Raise BadImage if the file is no image. Raise ClickException if the file of the new case exists, or if the image
+    cannot be run.
     """
     image = program_in(path)
     section, boot = _boot(image)

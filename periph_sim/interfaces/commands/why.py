@@ -1,4 +1,4 @@
-"""`periph-sim why RUN QUESTION`: why a field, wire, span, interrupt or variable had its state then."""
+"""`periph-sim why RUN QUESTION`: why a field, wire, span, interrupt or variable had its state at a given time."""
 
 from __future__ import annotations
 

@@ -352,7 +352,7 @@ def _host_alignment(member: DIE) -> int:
 
 
 def _declared_at(member: DIE) -> str:
-    """Return `file, line N` of a declaration."""
+    """Return the place of a declaration as text, such as "DSP2833x_Gpio.h, line 31"; without a file if unknown."""
     assert isinstance(member.cu, CompileUnit)
     program = member.dwarfinfo.line_program_for_CU(member.cu)
     number, line = _value(member, "DW_AT_decl_file"), _value(member, "DW_AT_decl_line")

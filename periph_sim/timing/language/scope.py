@@ -249,7 +249,8 @@ class Scope(Struct):
     def variable(self, unit: str, name: str) -> str:
         """Return `unit`; if it is "", return the only unit that runs an image.
 
-        Raise BadEvent as `image` does, or if the image of the unit lacks the variable.
+        Raise BadEvent if no such unit runs an image, if `unit` is "" and several units do, or if the image of the unit
+        lacks the variable.
         """
         owner = self.image(unit)
         names = self.images[owner]

@@ -124,8 +124,8 @@ class Reply(Measure):
     def others_turn(self, tick: int) -> None:
         """Handle the start of another request at `tick`.
 
-        Replies that are wrong so far get no further wrong characters, because these belong to the reply to the other
-        request.
+        End the replies that already have a wrong character, because later characters may belong to the reply to the
+        other request.
         """
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):

@@ -154,7 +154,12 @@ WORDS: dict[str, Callable[[ParsedMeasure, Scope], str]] = {
 
 
 def _of_sentence(sentence: Sentence, said: ParsedMeasure, scope: Scope, **given: str) -> Maker:
-    """Return the maker of a named measure. said: the parsed text of the budget. given: parameters not in WORDS."""
+    """Return the maker of a named measure.
+
+    sentence: the named measure, whose `text` contains parameters in braces.
+    said: the parsed text of the budget, from which the words for the parameters in WORDS are taken.
+    given: the words for all other parameters.
+    """
     named = f"{sentence.text} {sentence.nothing} {sentence.cut_off}"
     words = given | {name: word(said, scope) for name, word in WORDS.items() if f"{{{name}}}" in named}
     meant = measure_of(sentence.text.format_map(words))

@@ -112,13 +112,19 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
 
 
 def periods(table: RecordTable, event: str) -> Durations:
-    """Return the duration from each occurrence of an event to the next one. Raise BadEvent as `between` does."""
+    """Return the duration from each occurrence of an event to the next one.
+
+    Raise BadEvent if the text names no event, or an event that this run cannot contain.
+    """
     ticks = happened(table, event)
     return Durations(np.diff(ticks), ticks[:-1])
 
 
 def happened(table: RecordTable, event: str) -> Ticks:
-    """Return the ticks at which an event happened. Raise BadEvent as `between` does."""
+    """Return the ticks at which an event happened.
+
+    Raise BadEvent if the text names no event, or an event that this run cannot contain.
+    """
     return table.tick[rows_of(matcher(event, scope_of_table(table)), table)]
 
 
@@ -220,7 +226,7 @@ def lost_flags(table: RecordTable, name: str = "") -> NDArray[np.int64]:
 
     name: the register, such as "I2C-A.I2CSTR"; "" for all registers. A flag is listed if firmware had not read it.
 
-    Raise BadEvent as `races` does.
+    Raise BadEvent if the run cannot contain this register, or if writing 1 clears no flag of it.
     """
     unit, _, text = name.rpartition(":")
     run, watched = Run(table), losing(unit, text, scope_of_table(table))

@@ -95,7 +95,7 @@ def _chain(kept: list[Record], at: int, wanted: Wanted, margin: int) -> EventLin
     if wanted.measure == "response":
         starts = [r.tick for r in records if r.kind is Kind.BUS and r.what == "START" and at - margin <= r.tick <= at]
         begin = max(starts, default=at)
-    elif wanted.measure in ("age", "model age"):  # the instant of an age is the end of the occurrence
+    elif wanted.measure in ("age", "model age"):  # an age ends at `at`, its read
         begin, end, coarse = at - wanted.length, at, True
     elif wanted.measure in ("fifo high-water", "overruns"):
         begin, end, coarse = at - margin, at, True

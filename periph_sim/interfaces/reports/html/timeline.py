@@ -135,7 +135,7 @@ class Timeline:
 
 
 def only_chosen(timeline: Timeline) -> Timeline:
-    """Return the timeline with only the chosen lanes."""
+    """Return the timeline with only the lanes whose `chosen` is True, and without groups that become empty."""
     groups = ((name, tuple(lane for lane in lanes if lane.chosen)) for name, lanes in timeline.groups)
     return replace(timeline, groups=tuple(one for one in groups if one[1]))
 

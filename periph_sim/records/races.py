@@ -3,6 +3,9 @@
     reads, skipped polls  --> distance to the nearest change, in cycles --> closest, histogram by decades
     read-modify-writes    --> flags that rose between read and write; flags that the write cleared unintentionally
 
+Skipped polls are the reads of a polling loop that the simulator did not run one by one. They are not recorded, but
+reconstructed (`polls`).
+
 A read of one field, as in `i2c.I2CSTR.XRDY == 1`, is compared with changes of that field. A read of the whole register,
 as in `i2c.I2CSTR.all` or in the read-modify-write `i2c.I2CSTR.SCD = 1`, is compared with changes of all its fields.
 Changes that an access of the firmware itself makes in the same tick are left out.
@@ -272,7 +275,7 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
 
 
 def _sides(run: Run, ticks: Rows, at: Rows, changes: Rows) -> tuple[_Side, _Side]:
-    """Return reads or polls with the next change after each, and the same ones with the last change before each.
+    """Return all reads or polls with the next change after each, and again with the last change before each.
 
     ticks: the ticks of the reads or polls.
     at: for each of them, the index of the next change in `changes`.

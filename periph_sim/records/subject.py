@@ -157,7 +157,8 @@ def _folded(name: str) -> str:
 def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
     """Return the groups of accesses to a register, each with the field that is selected; None for all fields.
 
-    Raise NotInRun if the firmware never accessed the register.
+    A group has all reads, or all writes, of the register by one unit. Raise NotInRun if the firmware never accessed
+    the register.
 
     register: a name such as "I2C-A.I2CSTR" or "I2C-A.I2CSTR.XRDY"; None selects every status register.
     """

@@ -44,7 +44,7 @@ class Condition(SdaPuller):
         self._stop = settings.condition == "STOP"
         self._late = place.ticks(settings.late)
         self._rise = 0  # number of rises of SCL so far while a fault was armed
-        self._is_one = False  # True if no other party held SDA low at this rise
+        self._is_one = False  # True if no other party held SDA low at the last rise of SCL
 
     def clocked(self, now: int, level: int) -> None:
         if not level:

@@ -179,8 +179,9 @@ class BitSkip(Shortcut):
         self._tag = 0
 
     def skips(self, low: int, high: int, hold: int, tag: int) -> bool:
-        """Skip seven bits and return True. Return False if they are observable, or if `materialize` is running them.
+        """Skip seven bits and return True. Return False if they are observable, or if a skip of them was cut short.
 
+        A skip is cut short by `materialize`, which then runs the same bits as separate events.
         The controller calls this when it is about to release SCL for the first bit. After a skip, the controller's
         `act(tag)` is called at the tick of the eighth rise of SCL.
         low, high, hold: durations of the controller, in ticks, as in `BusTiming`.
@@ -198,8 +199,9 @@ class BitSkip(Shortcut):
         return True
 
     def skips_for(self, party: BitParty, times: BitTimes, fell: int, ends: int) -> bool:  # core: C only
-        """Skip seven bits and return True. Return False if they are observable, or if `materialize` is running them.
+        """Skip seven bits and return True. Return False if they are observable, or if a skip of them was cut short.
 
+        A skip is cut short by `materialize`, which then runs the same bits as separate events.
         party: the party that clocks the bus, at times that are cycles of the party's own clock.
         ends: the tick at which the skip ends. The party itself schedules its next action for this tick.
         fell: the tick of the last fall of SCL.

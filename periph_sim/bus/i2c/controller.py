@@ -201,7 +201,7 @@ class I2cController(BitParty):
         self._transfer = transfer
         self._done = done
         self._phase_index = 0
-        self._index = NO_BYTE  # it is still ADDRESS if arbitration was lost in the last address byte
+        self._index = NO_BYTE  # it is still ADDRESS if the previous transfer lost arbitration in an address byte
         self._bus.settle(self._kernel.now)
         self._then(max(self._kernel.now, self._bus.last_stop + self.timing.free), BEGIN)
 

@@ -48,7 +48,8 @@ class FilteredBus:
         self.scl_moved = now
         self._filter = filter
         self._lines = IDLE
-        # The latest earlier level of SCL that lasted for the filter time. After a spike it equals the present level.
+        # When SCL changes, the level that ends is stored here if it lasted for the filter time. After a spike, this
+        # therefore equals the present level.
         self._scl_seen = SCL
         self._sda_moved = -filter
         self._sda_event = NOTHING  # the last change of SDA, classified as START, STOP or NOTHING

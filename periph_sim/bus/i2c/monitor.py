@@ -84,7 +84,8 @@ class I2cMonitor(BitParty):
         self._stream = I2cStream()  # decoder of the master's bits and conditions
         self._filter = filter
         self._sda_at = -filter
-        # The latest earlier level of SDA that lasted for the filter time. After a spike it equals the present level.
+        # When SDA changes, the level that ends is stored here if it lasted for the filter time. After a spike, this
+        # therefore equals the present level.
         self._sda_seen = 1
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels

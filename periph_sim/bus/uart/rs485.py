@@ -1,4 +1,4 @@
-"""An RS-485 pair and the transceivers on it, whose drivers share one line and are switched on and off.
+"""An RS-485 wire pair and the transceivers on it, whose drivers share the pair and are switched on and off.
 
     TX --> driver --on by DE--> pair --> receiver --> RX     (off while its own driver is on, unless `hears_itself`)
 
@@ -19,11 +19,11 @@ from ...core.time import NO_TIME
 from ...core.wire import Wire
 from .reader import Line, LineFrame, UartReader
 
-COLLISION, CUT = "collision", "cut"  # names of the records that a pair makes besides those of its frames
+COLLISION, CUT = "collision", "cut"  # records of a wire pair, besides those of the frames on it
 
 
 class Rs485Pair:
-    """A pair and the drivers that are on.
+    """A wire pair and the drivers that are on.
 
     on: the active drivers; the first one has been on longest.
     on_collision: called with (tick, names of the drivers that are on) when a driver is switched on while another is on.
@@ -56,7 +56,7 @@ class Rs485Pair:
 
 
 class Driver:
-    """One party's driver on a pair, initially switched off."""
+    """One party's driver on a wire pair, initially switched off."""
 
     STATE = State("on _level", ticks="_last_off _last_on")
 
@@ -90,7 +90,7 @@ class Driver:
 
 
 class Transceiver:
-    """One transceiver on a pair, with its lines TX, RX and DE.
+    """One transceiver on a wire pair, with its lines TX, RX and DE.
 
     line: a function that returns the length of a bit in ticks, and the format of the frames on `tx`.
     hears_itself: True if the receiver stays on while the driver is on.

@@ -68,7 +68,7 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
     If the list is empty, or if `Link.aside` is True for its last link, no cause was found. This happens only in the
     main program, if neither a change nor an earlier read explains the access.
 
-    flag: the record of a field's change that the search visited last before this access; None if it visited none.
+    flag: the record of the last field change that the search passed on its way back to this access; None if none.
     """
     routine = run.row_of(record.cause)
     entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]
@@ -261,8 +261,7 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
 
     The last link is the cause. If the list is empty or its last link is `aside`, the cause is not known.
 
-    flag: the record of a field's change that the search visited most recently on its way back to this record; None if
-        it visited none.
+    flag: the record of the last field change that the search passed on its way back to this record; None if none.
     """
     kind = record.kind
     if kind is Kind.ACCESS:

@@ -46,7 +46,7 @@ class NotComparable(Exception):
 
 
 class AttributePlan(NamedTuple):
-    """How the attributes of the objects of a class are collected for the normal state.
+    """The way in which the attributes of the objects of a class are collected for the normal state.
 
     kind: the name of the class.
     state: the `State` object in which the class lists its attributes.

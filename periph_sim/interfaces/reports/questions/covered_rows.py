@@ -50,7 +50,7 @@ class CoveredResult(Result):
 
 
 class Cover(Struct, frozen=True):
-    """How to run a case with each answer to an open question: at many phases, or with a closed table.
+    """The way to run a case with each answer to an open question: at many phases, or with a closed table.
 
     The glossary in `periph_sim.proof` has the terms.
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -21,17 +22,31 @@ from tests.outside.live.echo import written
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 
-def serve(*arguments: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "periph_sim", "serve", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+Serve = Callable[..., subprocess.Popen[str]]
+
+
+@pytest.fixture
+def serve() -> Iterator[Serve]:
+    """A function that starts `periph-sim serve` in another process.
+
+    A process that still runs after the test is killed. A failed test would leave it running, and it would read from
+    pseudo-terminals of later tests that get the same name.
+    """
+    started: list[subprocess.Popen[str]] = []
+
+    def start(*arguments: str) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", "periph_sim", "serve", *arguments]
+        started.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_a_script_uses_the_port_until_ctrl_c(tmp_path: Path) -> None:
+def test_a_script_uses_the_port_until_ctrl_c(tmp_path: Path, serve: Serve) -> None:
     link, log = tmp_path / "dsp", tmp_path / "live.jsonl"
     served = serve(str(written(tmp_path)), "--pty", str(link), "--log", str(log), "--warm-up", "5 ms")
     assert served.stdout is not None
@@ -50,7 +65,7 @@ def test_a_script_uses_the_port_until_ctrl_c(tmp_path: Path) -> None:
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
+def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path, serve: Serve) -> None:
     ours, port = os.openpty()  # in place of a cable to another computer
     served = serve(str(written(tmp_path)), "--port", os.ttyname(port), "--json")
     assert served.stderr is not None
@@ -68,7 +83,9 @@ def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unmodified_i2cdriver_program_reads_the_bus(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, serve: Serve
+) -> None:
     i2cdriver = pytest.importorskip("i2cdriver", reason="i2cdriver is not installed: the extra drivers has it")
     opened = i2cdriver.serial.Serial
     monkeypatch.setattr(i2cdriver.serial, "Serial", lambda port, baud, timeout: opened(port, baud, timeout=120))
@@ -124,7 +141,7 @@ def test_wrong_options_are_one_error_message(
 
 
 @pytest.mark.posix("pseudo-terminals")
-def test_the_host_of_a_case_is_replaced_and_its_budgets_are_omitted() -> None:
+def test_the_host_of_a_case_is_replaced_and_its_budgets_are_omitted(serve: Serve) -> None:
     case = Path(__file__).parents[3] / "timing" / "imu_hil.toml"
     message, mistakes = serve(str(case), "--pty", "--pace", "0", "--for", "30 ms").communicate(timeout=60)
     replaced = "RX is driven from outside, in place of [host]; left out, since nothing else can judge them:"

@@ -10,7 +10,7 @@ import pytest
 
 from tests.imu.test_host_unit import flight  # noqa: F401
 from tests.interfaces.commands.conftest import Run
-from tests.interfaces.commands.test_serve import serve
+from tests.interfaces.commands.test_serve import Serve, serve  # noqa: F401
 from tests.outside.live.echo import written
 
 pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
@@ -36,7 +36,12 @@ def test_frames_of_a_flight_are_sent_and_wrong_arguments_refused(periph_sim: Run
         assert refused.status == 2 and any(part in said for part in sentence.split("|")), said
 
 
-def test_frames_are_sent_to_a_port_without_a_write_timeout(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_frames_are_sent_to_a_port_without_a_write_timeout(
+    periph_sim: Run,
+    flight: Path,  # noqa: F811
+    tmp_path: Path,
+    serve: Serve,  # noqa: F811
+) -> None:
     served = serve(str(written(tmp_path)), "--rfc2217", "0")
     assert served.stdout is not None
     url = served.stdout.readline().strip()

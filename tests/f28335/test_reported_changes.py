@@ -57,7 +57,7 @@ def expected(pins: tuple[int, int, int, int], wakes: tuple[int, int]) -> dict[st
 
 
 def test_sci_flags_change_when_a_frame_is_complete():
-    """Of the eight edges, only that of the start bit schedules a wake-up; RXRDY and RXINT change at wake-ups."""
+    """Only one of the eight edges, that of the start bit, schedules a wake-up. RXRDY and RXINT change at wake-ups."""
     rig = SciRig(RXBKINTENA=1)
     said = counted(rig.chip)
     rig.send(frame(0x4B) + "1")

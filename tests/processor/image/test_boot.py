@@ -1,4 +1,4 @@
-"""Where an image begins, and the values that stubs give to registers without a model."""
+"""Start addresses of images, and the values that stubs give to registers without a model."""
 
 from __future__ import annotations
 
